@@ -1,0 +1,140 @@
+"""``load_hand``: geometry from ``hand.glb`` and ``hand.json``, facts from the tables, joined into one ``Hand``."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlab.anatomy import data, tables
+from handlab.anatomy.glb import read_glb
+from handlab.anatomy.mirror import mirrored
+from handlab.anatomy.records import Array, Body, Bone, DegreeOfFreedom, FineSkin, Hand, Joint, Named, Skin, frozen
+from handlab.anatomy.terms import BONES, UnknownName
+
+READINGS = ("sound", "printed")
+
+
+def load_hand(path: str | Path | None = None, *, side: str = "right", reading: str = "sound") -> Hand:
+    """Load the reference hand, or a hand saved in the folder ``path``.
+
+    ``side``: "right" or "left" (mirrored). ``reading``: "sound" (default), or "printed": lever arms, rest lengths and MCP
+    limits as printed in the paper, the straight hand as posture of rest length, no passive stiffness, no collateral ligaments.
+    Raises ``ValueError`` for an unknown side or reading or a broken file, ``FileNotFoundError`` if ``path`` holds no hand.
+
+    >>> hand = load_hand()
+    >>> len(hand.bones), len(hand.muscles), len(hand.dof_names)
+    (29, 42, 31)
+    """
+    if side not in ("right", "left"):
+        raise ValueError(f"side is {side!r}; it must be 'right' or 'left'")
+    if reading not in READINGS:
+        raise ValueError(f"reading is {reading!r}; it must be one of {', '.join(READINGS)}")
+    folder = data.folder() / "reference_hand" if path is None else Path(path)
+    if not (folder / "hand.json").is_file() or not (folder / "hand.glb").is_file():
+        raise FileNotFoundError(f"{folder} holds no hand: a hand is a folder with hand.json and hand.glb")
+    geometry = json.loads((folder / "hand.json").read_text(encoding="utf-8"))
+    try:
+        hand = _assemble(geometry, read_glb(folder / "hand.glb"), reading)
+    except (KeyError, TypeError, IndexError) as error:
+        raise ValueError(f"{folder} is not a complete hand: {error!r} is missing or misplaced; build or save it again") from error
+    return hand if side == hand.side else mirrored(hand)
+
+
+def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], reading: str) -> Hand:
+    printed = reading == "printed"
+    rows = tables.joints_table()
+    joints = {}
+    for name, row in rows.items():
+        place = geometry["joints"][name]
+        dofs = tuple(
+            DegreeOfFreedom(
+                name=dof.name,
+                joint=name,
+                positive=dof.positive,
+                negative=dof.negative,
+                axis=frozen(place["dofs"][dof.name]["axis"]),
+                anchor=frozen(place["dofs"][dof.name]["anchor_m"]),
+                limits=frozen(dof.printed_limits if printed else dof.limits),
+                sources=dof.sources,
+                driver=dof.driver,
+                ratio=dof.ratio,
+                offset=dof.offset,
+            )
+            for dof in row.dofs
+        )
+        joints[name] = Joint(name, row.english, row.parent, row.child, frozen(place["centre_m"]), dofs)
+    flat = [dof for row in rows.values() for dof in row.dofs]
+    bind = [math.radians(geometry["joints"][dof.joint]["dofs"][dof.name]["bind_deg"]) for dof in flat]
+    # The paper starts from the straight hand; the followers' offsets (thumb pronation) hold there too.
+    rest = [_straight(dof, {d.name: d for d in flat}) if printed else dof.fibre_rest for dof in flat]
+    return Hand(
+        name=geometry["name"],
+        side=geometry["side"],
+        reading=reading,
+        skin=_skin(meshes["skin"], list(geometry["bodies"])),
+        skin_fine=_fine_skin(meshes["skin_fine"]),
+        bones=Named("bone", {name: _bone(name, meshes[name]) for name in BONES}),
+        bodies=Named("body", {name: _body(name, row) for name, row in geometry["bodies"].items()}),
+        joints=Named("joint", joints),
+        muscles=Named("muscle", tables.muscles(), tables.aliases()),
+        feature_points=Named("feature point", geometry["feature_points"]),
+        bind=frozen(bind),
+        fibre_rest=frozen(rest),
+        stiffness=frozen([0.0 if printed else dof.stiffness for dof in flat]),
+        collateral={} if printed else _collateral(),
+        newton_per_percent=tables.newton_per_percent(),
+        friction=tables.friction(),
+        sources=geometry["sources"],
+    )
+
+
+def _straight(dof: tables.DofRow, dofs: dict[str, tables.DofRow]) -> float:
+    return 0.0 if dof.driver is None else dof.ratio * _straight(dofs[dof.driver], dofs) + dof.offset
+
+
+def _collateral() -> dict[str, float]:
+    row = tables.collateral_ligaments()
+    return {"range_fraction_at_90": row["range_fraction"], "stiffness_factor_at_90": row["stiffness_factor"]}
+
+
+def _skin(arrays: dict[str, Any], bodies: list[str]) -> Skin:
+    weights = np.zeros((len(arrays["POSITION"]), len(bodies)))
+    np.add.at(weights, (np.arange(len(weights))[:, None], arrays["JOINTS_0"].astype(int)), arrays["WEIGHTS_0"].astype(float))
+    weights /= weights.sum(axis=1, keepdims=True)
+    return Skin(_points(arrays), frozen(arrays["indices"], np.int64), frozen(weights))
+
+
+def _fine_skin(arrays: dict[str, Any]) -> FineSkin:
+    """Points stand once per texture chart in the file; ``_POINT`` says which of them are one point of the skin."""
+    point = arrays["_POINT"].astype(np.int64)
+    first = np.unique(point, return_index=True)[1]
+    corners = arrays["indices"].astype(np.int64)
+    return FineSkin(
+        points=frozen(_points(arrays)[first]),
+        faces=frozen(point[corners], np.int64),
+        texture=frozen(arrays["TEXCOORD_0"][corners]),
+        triangle=frozen(arrays["_TRIANGLE"][first], np.int64),
+        barycentric=frozen(arrays["_BARYCENTRIC"][first]),
+        height=frozen(arrays["_HEIGHT"][first]),
+    )
+
+
+def _bone(name: str, arrays: dict[str, Any]) -> Bone:
+    term = BONES[name]
+    return Bone(_points(arrays), frozen(arrays["indices"], np.int64), name, term.latin, term.english, term.body)
+
+
+def _body(name: str, row: dict[str, Any]) -> Body:
+    return Body(name, row["parent"], row["joint"], float(row["mass_kg"]), frozen(row["centre_m"]), frozen(row["inertia_kg_m2"]))
+
+
+def _points(arrays: dict[str, Any]) -> Array:
+    points: Array = frozen(arrays["POSITION"])
+    return points
+
+
+__all__ = ["READINGS", "UnknownName", "load_hand"]

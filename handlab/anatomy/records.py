@@ -1,0 +1,351 @@
+"""The hand as frozen records: what anatomy says, in arrays that nobody can change by accident.
+
+All lengths in metres, angles in radians, masses in kilograms, forces in newtons.
+Frame of a right hand: origin at the wrist centre, x distal along the middle metacarpal,
+y palmar, z = x cross y (radial). Angles count from the *zero* posture (anatomically
+straight); joint axes and centres are written in that posture. Meshes are stored in the
+*bind* posture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handlab.anatomy.terms import find, match
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def frozen(values: Any, dtype: Any = np.float64) -> Any:
+    """A read-only C-ordered copy of ``values``."""
+    array = np.array(values, dtype=dtype, order="C")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A closed triangle mesh: ``points`` (N, 3) metres, ``faces`` (M, 3) counter-clockwise from outside."""
+
+    points: Array
+    faces: Index
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume in cubic metres (divergence theorem, exact for the polyhedron)."""
+        a, b, c = (self.points[self.faces[:, i]] for i in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+@dataclass(frozen=True)
+class Skin(Mesh):
+    """The even skin that physics uses, with blend weights: ``weights`` (N, body), rows add to 1."""
+
+    weights: Array
+
+
+@dataclass(frozen=True)
+class FineSkin(Mesh):
+    """The detailed skin for the eye, bound once to the even skin.
+
+    ``texture`` (M, 3, 2): texture coordinates of every triangle corner, in [0, 1], without overlaps.
+    ``triangle`` (N,), ``barycentric`` (N, 3), ``height`` (N,): where each point sits on the even skin,
+    point = sum_i barycentric_i (p_i + height n_i), p and n the corners and vertex normals of that triangle.
+    """
+
+    texture: Array
+    triangle: Index
+    barycentric: Array
+    height: Array
+
+
+@dataclass(frozen=True)
+class Bone(Mesh):
+    """One named bone; ``body`` is the rigid body it moves with (the carpal bones share one)."""
+
+    name: str
+    latin: str
+    english: str
+    body: str
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: bone and the tissue that moves with it, in the bind posture.
+
+    ``mass`` kg, ``centre`` (3,) m, ``inertia`` (3, 3) kg m^2 about the centre; computed from
+    the volume of this hand's geometry.
+    """
+
+    name: str
+    parent: str | None
+    joint: str | None
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True)
+class DegreeOfFreedom:
+    """One rotation of a joint. ``axis`` (3,) and ``anchor`` (3,) in the zero posture; ``limits`` (2,) rad.
+
+    A coupled degree of freedom follows another one: angle = ``ratio`` * driver + ``offset``.
+    """
+
+    name: str
+    joint: str
+    positive: str
+    negative: str
+    axis: Array
+    anchor: Array
+    limits: Array
+    sources: tuple[str, ...]
+    driver: str | None = None
+    ratio: float = 0.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint between two bones; ``centre`` (3,) in the zero posture."""
+
+    name: str
+    english: str
+    parent: str
+    child: str
+    centre: Array
+    dofs: tuple[DegreeOfFreedom, ...]
+
+
+@dataclass(frozen=True)
+class LeverArm:
+    """One row of Table 1: signed lever arm of a muscle at a degree of freedom, in metres.
+
+    ``used`` is the default reading, ``printed`` the reading ``printed``; ``reason`` says why they differ.
+    ``printed_basis``: "printed", "analogous", "printed at another joint" (then ``printed`` is 0 here)
+    or "not printed, used value".
+    """
+
+    dof: str
+    used: float
+    printed: float
+    printed_as: str | None
+    printed_basis: str
+    status: str
+    reason: str | None
+    confidence: str
+    sources: tuple[str, ...]
+    remark: str | None = None
+    assumption: bool = False
+
+
+@dataclass(frozen=True)
+class Muscle:
+    """One pseudo muscle of Table 1.
+
+    ``rest_length`` is the default reading and ``rest_length_printed`` the reading ``printed``, both in metres;
+    ``rest_length_basis`` is "printed" or "not printed, used value". ``paralysed_in`` names lesions like ``high_median``.
+    """
+
+    name: str
+    abbreviation: str
+    latin: str
+    group: str
+    region: str
+    rest_length: float
+    rest_length_printed: float
+    rest_length_basis: str
+    rest_length_source: str
+    tension_percent: float
+    tension_source: str
+    nerve: str
+    branch: str
+    roots: str
+    paralysed_in: tuple[str, ...]
+    partially_paralysed_in: tuple[str, ...]
+    action: str
+    origin: str
+    insertion: str
+    lever_arms: tuple[LeverArm, ...]
+    remarks: tuple[str, ...] = ()
+    also_called: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return muscle_table(self)
+
+
+def muscle_table(muscle: Muscle) -> str:
+    """The muscle as a small table with units and sources."""
+    other = "" if muscle.rest_length_printed == muscle.rest_length else f" (printed {muscle.rest_length_printed * 1000:.1f} mm)"
+    lines = [
+        f"{muscle.name} ({muscle.abbreviation}), {muscle.group}, {muscle.region}",
+        f"  rest length      {muscle.rest_length * 1000:6.1f} mm   [{muscle.rest_length_source}]{other}",
+        f"  tension fraction {muscle.tension_percent:6.1f} %    [{muscle.tension_source}]",
+        f"  nerve            {muscle.nerve} ({muscle.roots})",
+        f"  origin           {muscle.origin}",
+        f"  insertion        {muscle.insertion}",
+        f"  action           {muscle.action}",
+        "  lever arm                        used mm  printed mm  source",
+    ]
+    lines += [
+        f"    {arm.dof:<30} {arm.used * 1000:+7.1f}  {arm.printed * 1000:+9.1f}   {', '.join(arm.sources)} ({arm.status})"
+        for arm in muscle.lever_arms
+    ]
+    return "\n".join(lines)
+
+
+class Named(Mapping[str, Any]):
+    """Read-only mapping that keeps order, accepts aliases, and answers an unknown name with the nearest three."""
+
+    def __init__(self, kind: str, items: Mapping[str, Any], aliases: Mapping[str, str] | None = None) -> None:
+        self._kind = kind
+        self._items = MappingProxyType(dict(items))
+        self._aliases = MappingProxyType(dict(aliases or {}))
+
+    def __getitem__(self, name: str) -> Any:
+        return self._items[find(name, self._items, kind=self._kind, aliases=self._aliases)]
+
+    def __contains__(self, name: object) -> bool:
+        return match(name, self._items, self._aliases) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def with_items(self, items: Mapping[str, Any]) -> Named:
+        """The same kind and aliases with other items."""
+        return Named(self._kind, items, self._aliases)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} {self._kind}s: {', '.join(self._items)}>"
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """A hand: meshes, joints, muscles and the arrays that mechanics needs. Never changes; ``with_...`` returns another.
+
+    Order of all arrays: muscles as in ``muscle_names`` (42), degrees of freedom as in ``dof_names`` (31),
+    moving coordinates as in ``moving_names`` (23), rigid bodies as in ``body_names`` (19, parents first).
+    """
+
+    name: str
+    side: str
+    reading: str
+    skin: Skin
+    skin_fine: FineSkin
+    bones: Mapping[str, Bone]
+    bodies: Mapping[str, Body]
+    joints: Mapping[str, Joint]
+    muscles: Mapping[str, Muscle]
+    feature_points: Mapping[str, Mapping[str, int]]
+    bind: Array
+    fibre_rest: Array
+    stiffness: Array
+    collateral: Mapping[str, float]
+    newton_per_percent: float
+    friction: float
+    sources: Mapping[str, Any] = field(repr=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"Hand {self.name!r} ({self.side}, reading {self.reading!r}): {len(self.bones)} bones, {len(self.muscles)} muscles, "
+            f"{len(self.joints)} joints, {len(self.dof_names)} degrees of freedom, skin of {len(self.skin.faces)} triangles"
+        )
+
+    @cached_property
+    def dofs(self) -> Mapping[str, DegreeOfFreedom]:
+        """Degrees of freedom by name, in the order of every array."""
+        return Named("degree of freedom", {dof.name: dof for joint in self.joints.values() for dof in joint.dofs})
+
+    @cached_property
+    def dof_names(self) -> tuple[str, ...]:
+        """Names like ``mcp2.flexion_extension``."""
+        return tuple(self.dofs)
+
+    @cached_property
+    def muscle_names(self) -> tuple[str, ...]:
+        """Full names of the 42 muscles."""
+        return tuple(self.muscles)
+
+    @cached_property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the rigid bodies, parents first."""
+        return tuple(self.bodies)
+
+    @cached_property
+    def moving_names(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom that follow no other: the moving coordinates y."""
+        return tuple(name for name, dof in self.dofs.items() if dof.driver is None)
+
+    @cached_property
+    def zero(self) -> Array:
+        """Angles (dof,) of the anatomically straight hand: all zero by definition."""
+        return frozen(np.zeros(len(self.dof_names)))
+
+    @cached_property
+    def lever_arm(self) -> Array:
+        """R, signed lever arms (muscle, dof) in metres, of the hand's reading."""
+        column = {name: k for k, name in enumerate(self.dof_names)}
+        matrix = np.zeros((len(self.muscles), len(column)))
+        for i, muscle in enumerate(self.muscles.values()):
+            for arm in muscle.lever_arms:
+                matrix[i, column[arm.dof]] += arm.printed if self.reading == "printed" else arm.used
+        return frozen(matrix)
+
+    @cached_property
+    def rest_length(self) -> Array:
+        """Fibre resting lengths (muscle,) in metres, of the hand's reading."""
+        printed = self.reading == "printed"
+        return frozen([muscle.rest_length_printed if printed else muscle.rest_length for muscle in self.muscles.values()])
+
+    @cached_property
+    def max_force(self) -> Array:
+        """F_max (muscle,) in newtons: tension fraction times the settable ``newton_per_percent``."""
+        return frozen([muscle.tension_percent * self.newton_per_percent for muscle in self.muscles.values()])
+
+    @cached_property
+    def limits(self) -> Array:
+        """Lower and upper limit (dof, 2) in radians."""
+        return frozen([dof.limits for dof in self.dofs.values()])
+
+    @cached_property
+    def coupling(self) -> Array:
+        """C (dof, moving): angle = C @ y + ``coupling_offset``."""
+        moving = {name: k for k, name in enumerate(self.moving_names)}
+        matrix = np.zeros((len(self.dof_names), len(moving)))
+        for row, dof in enumerate(self.dofs.values()):
+            source, ratio = (dof.name, 1.0) if dof.driver is None else (dof.driver, dof.ratio)
+            while self.dofs[source].driver is not None:  # a follower may follow a follower
+                ratio, source = ratio * self.dofs[source].ratio, self.dofs[source].driver
+            matrix[row, moving[source]] = ratio
+        return frozen(matrix)
+
+    @cached_property
+    def coupling_offset(self) -> Array:
+        """c0 (dof,) in radians."""
+        offset = np.zeros(len(self.dof_names))
+        row = {name: k for k, name in enumerate(self.dof_names)}
+        for name, dof in self.dofs.items():  # drivers come before their followers' followers
+            if dof.driver is not None:
+                offset[row[name]] = dof.ratio * offset[row[dof.driver]] + dof.offset
+        return frozen(offset)
+
+    def with_(self, **changes: Any) -> Hand:
+        """Another hand with these fields changed."""
+        return replace(self, **changes)
+
+    def with_newton_per_percent(self, newton_per_percent: float) -> Hand:
+        """Another hand whose muscles pull this many newtons per percent of tension fraction."""
+        if not np.isfinite(newton_per_percent) or newton_per_percent <= 0:
+            raise ValueError(f"newton_per_percent is {newton_per_percent}; it must be a positive number (20 is the default, an assumption)")
+        return self.with_(newton_per_percent=float(newton_per_percent))

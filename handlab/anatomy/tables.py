@@ -1,0 +1,411 @@
+"""The tables in ``assets/anatomy`` as typed records: muscles with both readings of Table 1, joints with limits and couplings.
+
+Millimetres, degrees and percent end here: what these functions return is SI. Every table is validated when it is read;
+a broken one raises ``TableError`` that names the file, the row and what is wrong with it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any
+
+from handlab.anatomy.data import read_json
+from handlab.anatomy.records import LeverArm, Muscle
+from handlab.anatomy.terms import BONES, SIGNS, nearest
+
+PRINTED = "printed"
+ANALOGOUS = "analogous"
+ELSEWHERE = "printed at another joint"
+NOT_PRINTED = "not printed, used value"
+BASES = (PRINTED, ANALOGOUS, ELSEWHERE, NOT_PRINTED)
+STATUS_WORDS = ("as_printed", "corrected", "reconstructed_row", "inferred_analogous", "added", "printed_only")
+CONFIDENCE_WORDS = ("high", "medium", "low")
+
+
+class TableError(ValueError):
+    """A table that cannot be used, and where it is broken."""
+
+
+@dataclass(frozen=True)
+class DofRow:
+    """One degree of freedom as the tables know it: everything but axis and anchor. Radians and N m/rad.
+
+    ``printed_limits`` are the paper's (equal to ``limits`` where it gives none of its own). A follower has a ``driver``:
+    angle = ``ratio`` * driver + ``offset``; its ``stiffness`` is 0 and its ``fibre_rest`` follows from the driver's.
+    """
+
+    name: str
+    joint: str
+    positive: str
+    negative: str
+    limits: tuple[float, float]
+    printed_limits: tuple[float, float]
+    sources: tuple[str, ...]
+    fibre_rest: float
+    stiffness: float
+    driver: str | None = None
+    ratio: float = 0.0
+    offset: float = 0.0
+    remark: str | None = None
+
+
+@dataclass(frozen=True)
+class JointRow:
+    """One joint as the tables know it; ``parent`` and ``child`` are rigid bodies (equal at the fixed CMC 2 and 3)."""
+
+    name: str
+    english: str
+    latin: str
+    parent: str
+    child: str
+    parent_bones: tuple[str, ...]
+    child_bones: tuple[str, ...]
+    dofs: tuple[DofRow, ...]
+
+
+# ---------------------------------------------------------------- what a table must be
+
+
+def numbers_without_source(table: Any, known: Mapping[str, Any]) -> list[str]:
+    """Places of all numbers in ``table`` whose own record (the nearest enclosing object) lacks ``sources`` that ``known`` lists."""
+    return [place for place, record in _numbers(table, "", {}) if not _sourced(record, known)]
+
+
+def _numbers(node: Any, place: str, record: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Place and nearest enclosing object of every number below ``node``."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from _numbers(value, f"{place}.{key}" if place else str(key), node)
+    elif isinstance(node, list):
+        for index, value in enumerate(node):
+            yield from _numbers(value, f"{place}[{index}]", record)
+    elif isinstance(node, (int, float)) and not isinstance(node, bool):
+        yield place, record
+
+
+def _sourced(record: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
+    sources = record.get("sources")
+    return isinstance(sources, list) and bool(sources) and all(source in known for source in sources)
+
+
+def _check_sources(file: str, table: Any, known: Mapping[str, Any]) -> None:
+    bad = numbers_without_source(table, known)
+    if bad:
+        raise TableError(f"{file}: {bad[0]} has no source, or one that sources.json does not list ({len(bad)} such numbers)")
+
+
+def _value(file: str, where: str, record: Mapping[str, Any], key: str) -> Any:
+    if key not in record:
+        raise TableError(f"{file}: {where} has no {key!r}")
+    return record[key]
+
+
+def _number(file: str, where: str, record: Mapping[str, Any], key: str) -> float:
+    value = _value(file, where, record, key)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise TableError(f"{file}: {key} of {where} is {value!r}; it must be a finite number")
+    return float(value)
+
+
+def _word(file: str, where: str, record: Mapping[str, Any], key: str, allowed: tuple[str, ...]) -> str:
+    value = _value(file, where, record, key)
+    if value not in allowed:
+        raise TableError(f"{file}: {key} of {where} is {value!r}; it must be one of {', '.join(allowed)}")
+    return str(value)
+
+
+def _known(file: str, what: str, name: str, known: Collection[str]) -> str:
+    if name not in known:  # a table gives the full name: no alias, no other case
+        raise TableError(f"{file}: unknown {what} {name!r}; nearest are {', '.join(nearest(str(name), known))}")
+    return name
+
+
+def _unique(file: str, what: str, names: list[str]) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise TableError(f"{file}: {what} {twice[0]!r} stands there twice")
+
+
+def validate_muscles(table: Mapping[str, Any], sources: Mapping[str, Any], dofs: tuple[str, ...]) -> None:
+    """Raise ``TableError`` unless every row of the muscle table is complete, finite, sourced and single, and every change has a reason."""
+    file = "muscles.json"
+    _check_sources(file, table, sources)
+    rows = table["muscles"]
+    _unique(file, "muscle", [row["id"] for row in rows])
+    _unique(file, "abbreviation", [row["abbreviation"].casefold() for row in rows])
+    for row in rows:
+        name = row["id"]
+        for key in ("latin", "group", "region", "origin", "insertion", "action", "rest_length", "tension", "innervation", "lever_arms"):
+            _value(file, name, row, key)
+        rest = row["rest_length"]
+        for record, key in ((rest, "used_mm"), (rest, "printed_mm"), (row["tension"], "percent")):
+            if _number(file, name, record, key) <= 0.0:
+                raise TableError(f"{file}: {key} of {name} is {record[key]}; it must be positive")
+        _word(file, f"the rest length of {name}", rest, "printed_basis", (PRINTED, NOT_PRINTED))
+        if rest["printed_basis"] == NOT_PRINTED and rest["used_mm"] != rest["printed_mm"]:
+            raise TableError(f"{file}: the rest length of {name} is not printed, so both readings must have the same figure")
+        _unique(file, f"lever arm of {name} at", [arm["dof"] for arm in row["lever_arms"]])
+        for arm in row["lever_arms"]:
+            _check_arm(file, name, arm, dofs)
+
+
+def _check_arm(file: str, muscle: str, arm: Mapping[str, Any], dofs: tuple[str, ...]) -> None:
+    where = f"the lever arm of {muscle} at {arm['dof']}"
+    _known(f"{file}, {muscle}", "degree of freedom", arm["dof"], dofs)
+    used = _number(file, where, arm, "used_mm")
+    printed = _number(file, where, arm, "printed_mm")
+    _word(file, where, arm, "status", STATUS_WORDS)
+    _word(file, where, arm, "confidence", CONFIDENCE_WORDS)
+    basis = _word(file, where, arm, "printed_basis", BASES)
+    if used != printed and not arm.get("reason"):
+        raise TableError(f"{file}: {where} is used as {used:g} mm but printed as {printed:g} mm, without a 'reason'")
+    if (basis == PRINTED) != (arm.get("printed_as") is not None):
+        raise TableError(f"{file}: {where} must have 'printed_as' exactly if its basis is {PRINTED!r}")
+    if basis == ELSEWHERE and printed != 0.0:
+        raise TableError(f"{file}: {where} is printed at another joint, so its printed figure here must be 0")
+    if basis == NOT_PRINTED and used != printed:
+        raise TableError(f"{file}: {where} is not printed, so both readings must have the same figure")
+
+
+def validate_joints(table: Mapping[str, Any], sources: Mapping[str, Any]) -> None:
+    """Raise ``TableError`` unless joints, limits, couplings and relaxed posture of the joint table fit together."""
+    file = "joints.json"
+    _check_sources(file, table, sources)
+    _unique(file, "joint", [joint["name"] for joint in table["joints"]])
+    rows = {dof["name"]: dof for joint in table["joints"] for dof in joint["dofs"]}
+    _unique(file, "degree of freedom", [dof["name"] for joint in table["joints"] for dof in joint["dofs"]])
+    _unique(file, "coupling of", [coupling["dof"] for coupling in table["couplings"]])
+    for joint in table["joints"]:
+        for bone in (*joint["parent_bones"], *joint["child_bones"]):
+            _known(f"{file}, {joint['name']}", "bone", bone, BONES)
+        for name in (dof["name"] for dof in joint["dofs"]):
+            if name.partition(".")[0] != joint["name"] or name.partition(".")[2] not in SIGNS:
+                raise TableError(f"{file}: {name!r} of {joint['name']} must read {joint['name']}.KIND with KIND one of {', '.join(SIGNS)}")
+    drivers = {}
+    for coupling in table["couplings"]:
+        for key in ("dof", "driver"):
+            if coupling[key] not in rows:
+                raise TableError(f"{file}: a coupling names {coupling[key]!r}, which no joint has")
+        _number(file, f"the coupling of {coupling['dof']}", coupling, "ratio")
+        _number(file, f"the coupling of {coupling['dof']}", coupling, "offset_deg")
+        drivers[coupling["dof"]] = coupling["driver"]
+    for name in drivers:
+        seen, leader = {name}, drivers[name]
+        while leader in drivers:
+            if leader in seen:
+                raise TableError(f"{file}: the coupling of {name} runs in a circle through {leader}")
+            seen.add(leader)
+            leader = drivers[leader]
+    for name, row in rows.items():
+        low, high = _range(file, name, row["limits"])
+        if "printed_limits" in row:
+            _range(file, name, row["printed_limits"])
+        if name in drivers:
+            if "fibre_rest" in row or "stiffness" in row:
+                raise TableError(f"{file}: {name} follows {drivers[name]}, so it can have no 'fibre_rest' or 'stiffness' of its own")
+            continue
+        rest = _number(file, f"fibre_rest of {name}", _value(file, name, row, "fibre_rest"), "deg")
+        if not low <= rest <= high:
+            raise TableError(f"{file}: the relaxed posture of {name}, {rest:g} degrees, lies outside its limits {low:g} to {high:g}")
+        if _number(file, f"stiffness of {name}", _value(file, name, row, "stiffness"), "newton_metre_per_rad") <= 0.0:
+            raise TableError(f"{file}: the stiffness of {name} must be positive")
+
+
+def _range(file: str, name: str, record: Mapping[str, Any]) -> tuple[float, float]:
+    values = record.get("deg")
+    if not isinstance(values, list) or len(values) != 2 or not all(math.isfinite(value) for value in values) or values[0] >= values[1]:
+        raise TableError(f"{file}: the limits of {name} are {values!r}; they must be two numbers, the lower one first")
+    return float(values[0]), float(values[1])
+
+
+# ---------------------------------------------------------------- records
+
+
+@cache
+def sources() -> Mapping[str, Mapping[str, str]]:
+    """Every source key that a table may use: what it is, and whether it was found, recalled, computed or chosen."""
+    known: dict[str, dict[str, str]] = read_json("anatomy/sources.json")
+    return MappingProxyType(known)
+
+
+@cache
+def _joint_table() -> dict[str, Any]:
+    table: dict[str, Any] = read_json("anatomy/joints.json")
+    validate_joints(table, sources())
+    return table
+
+
+@cache
+def _muscle_table() -> dict[str, Any]:
+    table: dict[str, Any] = read_json("anatomy/muscles.json")
+    added = read_json("anatomy/thenar_rows.json")
+    _check_sources("thenar_rows.json", added, sources())
+    table = {**table, "muscles": merge_added_rows(table["muscles"], added["rows"])}
+    validate_muscles(table, sources(), dof_names())
+    return table
+
+
+def merge_added_rows(muscle_rows: list[dict[str, Any]], added: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of ``muscles.json`` with those of ``thenar_rows.json``, which are printed nowhere and thus equal in both readings."""
+    extra: dict[str, list[dict[str, Any]]] = {row["id"]: [] for row in muscle_rows}
+    for row in added:
+        muscle = _known("thenar_rows.json", "muscle", row["muscle"], extra)
+        arm = {key: value for key, value in row.items() if key != "muscle"}
+        extra[muscle].append({"confidence": "low", **arm, "printed_mm": row["used_mm"], "printed_as": None, "printed_basis": NOT_PRINTED})
+    return [{**row, "lever_arms": row["lever_arms"] + extra[row["id"]]} for row in muscle_rows]
+
+
+def dof_names() -> tuple[str, ...]:
+    """Names of the 31 degrees of freedom, in the order of every array."""
+    return tuple(dof["name"] for joint in _joint_table()["joints"] for dof in joint["dofs"])
+
+
+def muscles() -> dict[str, Muscle]:
+    """The 42 pseudo muscles of Table 1 by name; metres, tension in percent.
+
+    >>> muscles()["flexor_digitorum_profundus_index"].rest_length
+    0.066
+    """
+    return {row["id"]: _muscle(row) for row in _muscle_table()["muscles"]}
+
+
+def _muscle(row: Mapping[str, Any]) -> Muscle:
+    rest, nerve = row["rest_length"], row["innervation"]
+    remarks = [*row.get("remarks", ())]
+    remarks += [f"rest length: {rest['remark']}"] if "remark" in rest else []
+    remarks += [f"tension: {row['tension']['remark']}"] if "remark" in row["tension"] else []
+    remarks += [f"nerve: {nerve['variant']}"] if "variant" in nerve else []
+    return Muscle(
+        name=row["id"],
+        abbreviation=row["abbreviation"],
+        latin=row["latin"],
+        group=row["group"],
+        region=row["region"],
+        rest_length=_metres(rest["used_mm"]),
+        rest_length_printed=_metres(rest["printed_mm"]),
+        rest_length_basis=rest["printed_basis"],
+        rest_length_source=", ".join(rest["sources"]),
+        tension_percent=float(row["tension"]["percent"]),
+        tension_source=", ".join(row["tension"]["sources"]),
+        nerve=nerve["nerve"],
+        branch=nerve["branch"],
+        roots=nerve["roots"],
+        paralysed_in=tuple(nerve["paralysed_in"]),
+        partially_paralysed_in=tuple(nerve.get("partially_paralysed_in", ())),
+        action=row["action"],
+        origin=row["origin"],
+        insertion=row["insertion"],
+        lever_arms=tuple(_lever_arm(arm) for arm in row["lever_arms"]),
+        remarks=tuple(remarks),
+        also_called=tuple(row["also_called"]),
+    )
+
+
+def _metres(millimetres: float) -> float:
+    """Through the decimal number, so that 66 mm is 0.066 m to the last bit."""
+    return float(f"{millimetres!r}e-3")
+
+
+def _lever_arm(arm: Mapping[str, Any]) -> LeverArm:
+    return LeverArm(
+        dof=arm["dof"],
+        used=_metres(arm["used_mm"]),
+        printed=_metres(arm["printed_mm"]),
+        printed_as=arm.get("printed_as"),
+        printed_basis=arm["printed_basis"],
+        status=arm["status"],
+        reason=arm.get("reason"),
+        confidence=arm["confidence"],
+        sources=tuple(arm["sources"]),
+        remark=arm.get("remark"),
+        assumption=bool(arm.get("assumption", False)),
+    )
+
+
+def aliases() -> dict[str, str]:
+    """Other names of the muscles (abbreviations, "lumbrical I") -> full name. ``find`` disregards their case."""
+    return {
+        alias: row["id"] for row in _muscle_table()["muscles"] for alias in (row["abbreviation"], *row["also_called"]) if alias != row["id"]
+    }
+
+
+def not_printed() -> list[tuple[str, str]]:
+    """(muscle, what) for every figure of the reading ``printed`` that Table 1 does not have, so that the used one serves."""
+    found = []
+    for muscle in muscles().values():
+        found += [(muscle.name, "rest length")] if muscle.rest_length_basis == NOT_PRINTED else []
+        found += [(muscle.name, arm.dof) for arm in muscle.lever_arms if arm.printed_basis == NOT_PRINTED]
+    return found
+
+
+def joints_table() -> dict[str, JointRow]:
+    """The 20 joints by name, in the order of every array, with their 31 degrees of freedom."""
+    table = _joint_table()
+    couplings = {coupling["dof"]: coupling for coupling in table["couplings"]}
+    rows = {dof["name"]: dof for joint in table["joints"] for dof in joint["dofs"]}
+
+    def rest_deg(name: str) -> float:
+        if name not in couplings:
+            return float(rows[name]["fibre_rest"]["deg"])
+        coupling = couplings[name]
+        return float(coupling["ratio"] * rest_deg(coupling["driver"]) + coupling["offset_deg"])
+
+    def dof(joint: str, row: Mapping[str, Any]) -> DofRow:
+        name, coupling, limits = row["name"], couplings.get(row["name"]), row["limits"]
+        positive, negative = SIGNS[name.partition(".")[2]]
+        printed = row.get("printed_limits", limits)
+        found = {*limits["sources"], *(coupling["sources"] if coupling else ())}
+        return DofRow(
+            name=name,
+            joint=joint,
+            positive=positive,
+            negative=negative,
+            limits=(math.radians(limits["deg"][0]), math.radians(limits["deg"][1])),
+            printed_limits=(math.radians(printed["deg"][0]), math.radians(printed["deg"][1])),
+            sources=tuple(key for key in sources() if key in found),
+            fibre_rest=math.radians(rest_deg(name)),
+            stiffness=float(row["stiffness"]["newton_metre_per_rad"]) if coupling is None else 0.0,
+            driver=coupling["driver"] if coupling else None,
+            ratio=float(coupling["ratio"]) if coupling else 0.0,
+            offset=math.radians(coupling["offset_deg"]) if coupling else 0.0,
+            remark=limits.get("remark"),
+        )
+
+    return {
+        joint["name"]: JointRow(
+            name=joint["name"],
+            english=joint["english"],
+            latin=joint["latin"],
+            parent=BONES[joint["parent_bones"][0]].body,
+            child=BONES[joint["child_bones"][0]].body,
+            parent_bones=tuple(joint["parent_bones"]),
+            child_bones=tuple(joint["child_bones"]),
+            dofs=tuple(dof(joint["name"], row) for row in joint["dofs"]),
+        )
+        for joint in table["joints"]
+    }
+
+
+def collateral_ligaments() -> dict[str, float]:
+    """How MCP flexion tightens the collateral ligaments: the fraction of the deviation range left, and the factor of its
+    stiffness, at ``at_rad`` of flexion (90 degrees)."""
+    row = _joint_table()["collateral_ligaments"]
+    return {
+        "at_rad": math.radians(row["at_deg"]),
+        "range_fraction": float(row["range_fraction"]),
+        "stiffness_factor": float(row["stiffness_factor"]),
+    }
+
+
+def newton_per_percent() -> float:
+    """Newtons per percent of tension fraction: an assumption, settable on every hand."""
+    return float(_muscle_table()["meta"]["force_scale"]["newton_per_percent"])
+
+
+def friction() -> float:
+    """mu of equation (2'), read as a viscous coefficient in N m s/rad."""
+    return float(_joint_table()["meta"]["friction"]["newton_metre_second_per_rad"])

@@ -1,0 +1,1 @@
+"""State and time: kinematics, skeleton, skin, key frames, and the clips they give."""

@@ -1,0 +1,22 @@
+"""How kernels are compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+from numba import njit
+
+F = TypeVar("F", bound=Callable[..., None])
+
+
+def compiled(kernel: F) -> F:
+    """Compile a function of arrays on its first call: without the interpreter's lock, kept on disk for the next session.
+
+    Where the package lies in a folder that cannot be written and there is no home either, it compiles anew each session.
+    """
+    options = {"nogil": True, "error_model": "numpy"}
+    try:
+        return cast(F, njit(cache=True, **options)(kernel))
+    except RuntimeError:
+        return cast(F, njit(**options)(kernel))

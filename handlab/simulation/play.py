@@ -1,0 +1,102 @@
+"""Key frames in, a recorded motion out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import ceil, floor, isfinite
+
+import numpy as np
+
+from handlab.anatomy.records import Array, Hand, frozen
+from handlab.physics.muscle import muscle_force
+from handlab.simulation.clip import Clip
+from handlab.simulation.keyframes import KeyFrames, Source, keyframes
+from handlab.simulation.skeleton import SUBSTEP, coupled, fibre_lengths, held_coordinates, integrate, mechanics, number
+from handlab.simulation.state import State
+
+CHUNK = 1200  # substeps between two reports of progress, and a whole number of INERTIA_EVERY
+
+
+def simulate(
+    hand: Hand,
+    source: Source,
+    *,
+    seconds: float | None = None,
+    fps: float = 60.0,
+    hold: Iterable[str] = (),
+    start: State | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Clip:
+    """The motion that key frames (or the name of a clip, a mapping, a file) give, from ``start`` or the relaxed hand.
+
+    ``seconds``: until the last key if not given; ``fps``: frames per second; ``hold``: joints or degrees of freedom that
+    an examiner's hand holds; ``progress`` is called with the finished fraction in [0, 1].
+
+    Substeps lie on one grid of ``SUBSTEP`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
+    same motion. A frame between two substeps is interpolated linearly.
+    """
+    keys = keyframes(source).for_hand(hand)
+    fps = positive(fps, "fps", "frames per second, such as 60")
+    if seconds is None:
+        seconds = float(keys.time[-1])
+        if seconds <= 0.0:
+            raise ValueError("these key frames end at 0 s; say how long to simulate, such as seconds=2")
+    seconds = positive(seconds, "seconds", "seconds, such as 2")
+    time = np.arange(floor(seconds * fps + 1e-6) + 1) / fps
+    y, speed = path(hand, keys, ceil(seconds / SUBSTEP - 1e-6), time, hold, start, progress)
+    angle = coupled(hand, y)
+    contraction, length = keys.at(time), fibre_lengths(hand, angle)
+    force = muscle_force(contraction, length / hand.rest_length, hand.max_force)
+    return Clip(
+        hand=hand,
+        time=frozen(time),
+        contraction=frozen(contraction),
+        angle=frozen(angle),
+        speed=frozen(speed @ hand.coupling.T),
+        fibre_length=frozen(length),
+        force=frozen(force),
+        torque=frozen(force @ hand.lever_arm),
+        fps=fps,
+        name=keys.name,
+    )
+
+
+def path(
+    hand: Hand,
+    keys: KeyFrames,
+    substeps: int,
+    time: Array,
+    hold: Iterable[str],
+    start: State | None,
+    progress: Callable[[float], None] | None,
+) -> tuple[Array, Array]:
+    """Moving coordinates and speeds (T, moving) at ``time`` (T,)."""
+    m = mechanics(hand)
+    held = held_coordinates(hand, hold)
+    y = m.rest_y if start is None else start.angle[m.moving]
+    speed = np.zeros(len(y)) if start is None else start.speed[m.moving]
+    out_y, out_speed = np.empty((len(time), len(y))), np.empty((len(time), len(y)))
+    at = np.minimum(time / SUBSTEP, substeps)
+    # a frame that lies on the grid but for rounding is taken from the grid
+    at = np.where(np.abs(at - np.rint(at)) < 1e-6, np.rint(at), at)
+    for begin in range(0, max(substeps, 1), CHUNK):
+        n = min(CHUNK, substeps - begin)
+        contraction = keys.at((begin + np.arange(n) + 0.5) * SUBSTEP)
+        path_y, path_speed = integrate(hand, y, speed, contraction, SUBSTEP, held)
+        frames = np.flatnonzero((at >= begin) & (at <= begin + n))
+        low = np.minimum(np.floor(at[frames] - begin).astype(np.int64), n - 1)
+        part = (at[frames] - begin - low)[:, None]
+        out_y[frames] = (1.0 - part) * path_y[low] + part * path_y[low + 1]
+        out_speed[frames] = (1.0 - part) * path_speed[low] + part * path_speed[low + 1]
+        y, speed = path_y[-1], path_speed[-1]
+        if progress is not None:
+            progress((begin + n) / substeps)
+    return out_y, out_speed
+
+
+def positive(value: float, name: str, what: str) -> float:
+    """A positive finite number, or an error."""
+    value = number(value, name)
+    if not isfinite(value) or value <= 0.0:
+        raise ValueError(f"{name} is {value:g}; give a positive number of {what}")
+    return value
