@@ -45,6 +45,8 @@ def draw() -> None:
 
 def check_drawing(timeout: float = TIMEOUT_S, command: str = DRAW) -> Finding:
     """Draw a picture in a subprocess: whether it came out, and if not, what to install."""
+    chosen = os.environ.get(WINDOW)
+    hint = remedy() + (f" {WINDOW} is {chosen}: try without it." if chosen else "")
     try:
         choose_window()
     except NoDrawing as error:
@@ -53,19 +55,17 @@ def check_drawing(timeout: float = TIMEOUT_S, command: str = DRAW) -> Finding:
         line = [sys.executable, "-c", command]
         done = subprocess.run(line, capture_output=True, text=True, timeout=timeout, check=False, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
-        return Finding(False, f"no picture within {timeout:g} s", remedy())
+        return Finding(False, f"no picture within {timeout:g} s", hint)
     if done.returncode == 0:
         return Finding(True, done.stdout.strip().splitlines()[-1] if done.stdout.strip() else "drawn")
     if done.returncode < 0:
-        return Finding(False, f"drawing ended with {signal.Signals(-done.returncode).name}", remedy())
+        return Finding(False, f"drawing ended with {signal.Signals(-done.returncode).name}", hint)
     last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-    return Finding(False, f"no picture: {last}", remedy())
+    return Finding(False, f"no picture: {last}", hint)
 
 
 def remedy() -> str:
     """What to do on this system when drawing fails."""
     if not sys.platform.startswith("linux"):
         return "update the graphics driver; over remote desktop, start from a local session"
-    chosen = os.environ.get(WINDOW)
-    hint = f"; {WINDOW} is {chosen}, try without it" if chosen else ""
-    return f"on Debian or Ubuntu: {APT_LINE}{hint}. Everything but pictures and films works without."
+    return f"on Debian or Ubuntu: {APT_LINE}. Everything but pictures and films works without."

@@ -35,7 +35,8 @@ def meshes(hand: Hand) -> str:
         (f"{len(hand.bones)} bones", list(hand.bones.values())),
     )
     rows = [
-        (name, sum(len(m.points) for m in own), sum(len(m.faces) for m in own), f"{1e6 * sum(m.volume for m in own):.1f}") for name, own in parts
+        (name, sum(len(mesh.points) for mesh in own), sum(len(mesh.faces) for mesh in own), f"{1e6 * sum(mesh.volume for mesh in own):.1f}")
+        for name, own in parts
     ]
     return table(("mesh", "points", "triangles", "volume cm3"), rows)
 

@@ -62,8 +62,8 @@ def _name_groups(axes: Any, hand: Hand) -> None:
     labels = [muscle.region for muscle in hand.muscles.values()]
     starts = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
     for start, stop in zip(starts, [*starts[1:], len(labels)], strict=True):
-        text = labels[start] if stop - start > 2 else ""
-        axes.text(len(hand.dof_names) - 0.3, (start + stop - 1) / 2, text, va="center", fontsize=12, color=FAINT)
+        if stop - start > 2:  # a lone row of another group has no room for a name
+            axes.text(len(hand.dof_names) - 0.3, (start + stop - 1) / 2, labels[start], va="center", fontsize=12, color=FAINT)
 
 
 def force_length(hand: Hand, state: State | None = None, *, contraction: float = 1.0) -> Any:

@@ -164,7 +164,7 @@ def advance(
     ``contraction`` (n, m) holds over each substep. Inertia is taken from the pose every ``refresh`` substeps.
     ``arm`` (m, k) = R C, ``length_at_zero`` (m,) the fibre length at y = 0; ``friction``, ``stiffness``, ``rest_y`` (k,),
     ``limits`` (k, 2), ``held`` (k,); ligaments as pairs of moving coordinates with their range fraction and stiffness
-    factor at 90 degrees.
+    factor at ``taut_at`` of flexion.
     """
     moving, muscles, dofs, bodies = path_y.shape[1], rest_length.shape[0], coupling.shape[0], parent.shape[0]
     y, speed = path_y[0].copy(), path_speed[0].copy()

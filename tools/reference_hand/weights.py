@@ -14,8 +14,8 @@ from .skeleton import Skeleton
 
 INFLUENCES = 4
 # What part of a bone's length (0 proximal joint, 1 distal joint or tip) carries its skin rigidly: dorsal, palmar
-PINNED = {"proximal": ((0.50, 0.72), (0.56, 0.66)), "middle": ((0.34, 0.68), (0.44, 0.58)), "distal": ((0.34, 9.0), (0.42, 9.0))}
-PINNED_METACARPAL = (0.05, 0.66)
+PINNED = {"proximal": ((0.28, 0.78), (0.56, 0.66)), "middle": ((0.28, 0.72), (0.44, 0.58)), "distal": ((0.30, 9.0), (0.42, 9.0))}
+PINNED_METACARPAL = ((0.05, 0.84), (0.05, 0.64))
 PINNED_THUMB = (0.34, 0.72)
 WRIST_BLEND = (-0.020, 0.020)  # forearm proximal of this, carpus distal of it (metres along x)
 THENAR_REACH = 0.020  # skin this near to metacarpal 1 moves with it
@@ -59,19 +59,25 @@ def _pins(points: np.ndarray, normals: np.ndarray, skeleton: Skeleton, bodies: l
         along = (points - near) @ axis / np.linalg.norm(far - near)
         mine = nearest == row
         if kind == "metacarpal":
-            low, high = PINNED_THUMB if k == 1 else PINNED_METACARPAL
+            (low_d, high_d), (low_p, high_p) = (PINNED_THUMB, PINNED_THUMB) if k == 1 else PINNED_METACARPAL
+            share = _palmar_share(normals, skeleton.flexion[k], axis)
+            low, high = low_d + share * (low_p - low_d), high_d + share * (high_p - high_d)
             ring = mine & (along > low) & (along < high) & (distance[row] < (THENAR_REACH if k == 1 else 1.0))
             if k in (2, 3, 4, 5):
                 ring &= points[:, 0] > WRIST_BLEND[1]
         else:
-            palmar_side = np.cross(skeleton.flexion[k], axis)
-            share = np.clip(0.5 + 0.7 * (normals @ palmar_side), 0.0, 1.0)  # 0 dorsal, 1 palmar
+            share = _palmar_share(normals, skeleton.flexion[k], axis)
             (low_d, high_d), (low_p, high_p) = PINNED[kind]
             ring = mine & (along > low_d + share * (low_p - low_d)) & (along < high_d + share * (high_p - high_d))
         body = name if name in bodies else "carpus"
         pinned[ring] = bodies.index(body)
     pinned[(pinned < 0) & (points[:, 0] < WRIST_BLEND[0])] = bodies.index("forearm")
     return pinned
+
+
+def _palmar_share(normals: np.ndarray, flexion: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """0 on the dorsal skin of a bone, 1 on its palmar skin."""
+    return np.clip(0.5 + 0.7 * (normals @ np.cross(flexion, axis)), 0.0, 1.0)
 
 
 def cotangent_laplacian(points: np.ndarray, faces: np.ndarray) -> tuple[coo_matrix, np.ndarray]:
