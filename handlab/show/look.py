@@ -18,14 +18,14 @@ float facing = clamp(dot(N, V), 0.0, 1.0);
 float up = 0.5 + 0.5 * N.y;
 float sheen = max(dot(N, normalize(key + V)), 0.0);
 vec3 wrapped = clamp((vec3(dot(N, key)) + spread) / (vec3(1.0) + spread), 0.0, 1.0);
-vec3 ambient = mix(low, vec3(0.37, 0.38, 0.41), up);
-vec3 lit = diffuseColor * (ambient + 0.70 * wrapped * vec3(1.0, 0.975, 0.94)
+vec3 ambient = mix(low, vec3(0.45, 0.46, 0.48), up);
+vec3 lit = diffuseColor * (ambient + 0.60 * wrapped * vec3(1.0, 0.975, 0.94)
            + 0.20 * clamp((dot(N, fill) + 0.3) / 1.3, 0.0, 1.0) * vec3(0.88, 0.93, 1.0));
 lit += (gloss.x * pow(sheen, 14.0) + gloss.y * pow(sheen, 60.0)) * vec3(1.0, 0.97, 0.93);
 lit += 0.09 * pow(1.0 - facing, 3.0) * up * vec3(1.0, 0.88, 0.80);
 """
-SKIN = "vec3 spread = vec3(0.42, 0.20, 0.14); vec3 low = vec3(0.31, 0.245, 0.235); vec2 gloss = vec2(0.085, 0.05);"
-BONE = "vec3 spread = vec3(0.30, 0.24, 0.18); vec3 low = vec3(0.30, 0.27, 0.24); vec2 gloss = vec2(0.07, 0.08);"
+SKIN = "vec3 spread = vec3(0.42, 0.20, 0.14); vec3 low = vec3(0.40, 0.325, 0.305); vec2 gloss = vec2(0.085, 0.05);"
+BONE = "vec3 spread = vec3(0.30, 0.24, 0.18); vec3 low = vec3(0.38, 0.34, 0.30); vec2 gloss = vec2(0.07, 0.08);"
 
 # Density of translucent skin: (looked straight at, at its outline). The far side is fainter, so that the bones stand out.
 FAR_SIDE = (0.10, 0.34)

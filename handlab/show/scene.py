@@ -26,6 +26,9 @@ Quality = Literal["live", "film", "still"]
 SKINS: tuple[Skin, ...] = ("solid", "translucent", "hidden")
 Picture = NDArray[np.uint8]
 
+PEELS = 10  # layers of skin behind each other that a still sorts: a fist seen from the side has about as many
+OCCLUSION_REACH = 0.011  # metres: the dark reaches about a finger's width into a crease
+
 
 class Scene:
     """A hand on an off-screen canvas.
@@ -33,7 +36,7 @@ class Scene:
     ``skin``: ``"solid"``, ``"translucent"`` (drawn in two passes: far side, then near side) or ``"hidden"``;
     ``bones``: whether they are drawn; ``view``: one of ``views.DIRECTIONS``; ``size``: width and height in pixels.
     ``quality``: ``"live"`` is fastest; ``"film"`` draws at twice the resolution and averages down, for smooth outlines; ``"still"``
-    adds ambient occlusion, the soft dark where surfaces meet.
+    adds ambient occlusion, the soft dark where surfaces meet, and sorts translucent layers by depth.
 
     Actors: ``skin``, ``skin far side``, ``skin near side`` and one per bone, by its name.
     """
@@ -50,6 +53,7 @@ class Scene:
     ) -> None:
         self.hand = hand
         self.size = size
+        self._quality = quality
         self._fineness = factor = 1 if quality == "live" else 2
         pv = pyvista()
         self.plotter = pv.Plotter(off_screen=True, window_size=[factor * size[0], factor * size[1]], lighting="none")
@@ -61,9 +65,6 @@ class Scene:
         self._bone_actors = self._add_bones()
         self._skin_actors = self._add_skin()
         self._clouds: list[Any] = [hand.skin_fine.points]
-        if quality == "still":
-            # Radius in metres: the dark reaches about a finger's width into a crease.
-            self.plotter.enable_ssao(radius=0.011, bias=0.0008, kernel_size=48, blur=True)
         self.set(skin=skin, bones=bones, view=view)
 
     def _mesh(self, points: Any, faces: Any, normals: Normals) -> Any:
@@ -120,8 +121,19 @@ class Scene:
         for actor in self._bone_actors.values():
             # Under a solid skin nobody sees them: not drawing them is faster, and hides a bone that would look through.
             actor.visibility = self.bones and self.skin != "solid"
+        if skin is not None and self._quality == "still":
+            self._take_time(self.skin)
         if view is not None:
             self._aim(view)
+
+    def _take_time(self, skin: Skin) -> None:
+        # The two exclude each other: occlusion counts translucent skin as a surface and speckles what is behind it.
+        if skin == "translucent":
+            self.plotter.disable_ssao()
+            self.plotter.enable_depth_peeling(PEELS)
+        else:
+            self.plotter.disable_depth_peeling()
+            self.plotter.enable_ssao(radius=OCCLUSION_REACH, bias=0.0008, kernel_size=48, blur=True)
 
     def _aim(self, view: str | Camera) -> None:
         aspect = self.size[0] / self.size[1]

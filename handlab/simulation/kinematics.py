@@ -52,7 +52,8 @@ def tree(hand: Hand) -> Tree:
         parent.append(above)
         first.append(column[dofs[0].name] if dofs else 0)
         count.append(len(dofs))
-    axis = frozen([dof.axis for dof in hand.dofs.values()])
+    axis = np.array([dof.axis for dof in hand.dofs.values()])
+    axis = frozen(axis / np.linalg.norm(axis, axis=1, keepdims=True))  # files keep a few digits only
     anchor = frozen([dof.anchor for dof in hand.dofs.values()])
     zero_is_bind = Tree(
         parent=frozen(parent, np.int64),
@@ -112,7 +113,7 @@ def posed_bone(hand: Hand, name: str, angle: ArrayLike) -> Array:
 
 def rotation(axis: ArrayLike, anchor: ArrayLike, angle: float) -> Array:
     """Transform (4, 4) that turns by ``angle`` about a unit ``axis`` (3,) through ``anchor`` (3,) (Rodrigues)."""
-    x, y, z = np.asarray(axis, dtype=np.float64)
+    x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.eye(4)
     turn[:3, :3] = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross

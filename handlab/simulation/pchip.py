@@ -25,7 +25,7 @@ def slopes(x: Array, y: Array) -> Array:
     left, right = secant[:-1], secant[1:]
     same_way = left * right > 0.0
     heavy_left, heavy_right = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):  # where the secants do not go the same way, the mean is not used
         mean = (heavy_left + heavy_right) / (heavy_left / left + heavy_right / right)
     slope[1:-1] = np.where(same_way, mean, 0.0)
     slope[0] = end_slope(width[0], width[1], secant[0], secant[1])

@@ -1,4 +1,5 @@
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ def finger(alpha, beta):
     corners = [np.zeros(3)]
     for length, turn in zip(LENGTH, (0.0, alpha, alpha + beta), strict=True):
         corners.append(corners[-1] + length * np.array([np.cos(turn), np.sin(turn), 0.0]))
-    ends = np.array(list(zip(corners[:-1], corners[1:], strict=True)))
+    ends = np.array(list(pairwise(corners)))
     return ends, np.array([rod_tensor(m, pair) for m, pair in zip(MASS, ends, strict=True)])
 
 

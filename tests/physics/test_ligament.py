@@ -16,7 +16,9 @@ def test_a_ligament_is_slack_when_straight_and_taut_at_90_degrees():
 @given(flexions)
 def test_the_slope_of_tautness_is_its_slope(flexion):
     step = 1e-6
-    assert float(tautness_slope(flexion)) == pytest.approx(float(tautness(flexion + step) - tautness(flexion - step)) / (2 * step), abs=1e-5)
+    assert float(tautness_slope(flexion)) == pytest.approx(
+        float(tautness(flexion + step) - tautness(flexion - step)) / (2 * step), abs=1e-5
+    )
 
 
 def test_a_spring_pulls_towards_its_rest():
@@ -30,8 +32,12 @@ def test_both_torques_of_a_ligament_are_slopes_of_one_energy(flexion, deviation,
 
     step = 1e-5
     on_deviation, on_flexion = collateral_torque(0.04, 5.0, flexion, deviation, rest)
-    assert float(on_deviation) == pytest.approx(-(energy(flexion, deviation + step) - energy(flexion, deviation - step)) / (2 * step), abs=1e-8)
-    assert float(on_flexion) == pytest.approx(-(energy(flexion + step, deviation) - energy(flexion - step, deviation)) / (2 * step), abs=1e-6)
+    assert float(on_deviation) == pytest.approx(
+        -(energy(flexion, deviation + step) - energy(flexion, deviation - step)) / (2 * step), abs=1e-8
+    )
+    assert float(on_flexion) == pytest.approx(
+        -(energy(flexion + step, deviation) - energy(flexion - step, deviation)) / (2 * step), abs=1e-6
+    )
 
 
 def test_at_90_degrees_deviation_is_as_much_stiffer_as_asked():

@@ -21,7 +21,9 @@ def test_one_step_gives_the_worked_numbers():
     assert float(speed) == pytest.approx(example["omega_new"], rel=1e-5)
     by = float(turned(0.0, speed, example["dt"]))
     assert by == pytest.approx(example["d_phi"], rel=1e-5)
-    assert 1000 * float(length_printed(example["l_old_mm"] / 1000, by, example["r_mm"] / 1000)) == pytest.approx(example["l_new_mm"], abs=1e-7)
+    assert 1000 * float(length_printed(example["l_old_mm"] / 1000, by, example["r_mm"] / 1000)) == pytest.approx(
+        example["l_new_mm"], abs=1e-7
+    )
 
 
 def test_the_printed_length_update_shortens_an_extensor_that_flexion_stretches():

@@ -35,7 +35,8 @@ def test_antagonists_that_add_up_across_the_axis_fool_the_printed_sum():
     assert float(torque_printed_of_sum([1, 0, 0], [0.1, 0.3, 0])) == pytest.approx(np.sqrt(0.1), abs=1e-12)
 
 
-def test_laws_take_many_vectors_at_once(rng=np.random.default_rng(1)):
+def test_laws_take_many_vectors_at_once():
+    rng = np.random.default_rng(1)
     arm, force = rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
     axis = np.array([0.0, 0.6, 0.8])
     expected = [np.dot(axis, np.cross(a, f)) for a, f in zip(arm, force, strict=True)]

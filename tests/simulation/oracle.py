@@ -45,3 +45,11 @@ def at(model, hand, angle):
 def address(model, hand):
     """Where each degree of freedom stands in MuJoCo's velocity vector."""
     return [model.joint(name).dofadr[0] for name in hand.dof_names]
+
+
+def mass_matrix(model, data):
+    """The whole mass matrix, column by column: it is stored differently from version to version."""
+    columns = np.empty((model.nv, model.nv))
+    for column, unit in zip(columns, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, column, unit)
+    return columns

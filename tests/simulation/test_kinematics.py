@@ -1,4 +1,3 @@
-import mujoco
 import numpy as np
 import oracle
 import pytest
@@ -43,9 +42,7 @@ def test_moments_of_inertia_are_the_diagonal_of_mujocos_mass_matrix(hand, rng):
     model = oracle.model(hand, (m.centre, m.inertia))
     for angle in [hand.zero, *random_angles(hand, rng, 10)]:
         data = oracle.at(model, hand, angle)
-        full = np.zeros((model.nv, model.nv))
-        mujoco.mj_fullM(model, full, data.qM)
-        expected = np.diag(full)[oracle.address(model, hand)]
+        expected = oracle.mass_matrix(model, data).diagonal()[oracle.address(model, hand)]
         np.testing.assert_allclose(moments_of_inertia(hand, angle), expected, rtol=1e-8)
         np.testing.assert_allclose(centres_of_mass(hand, angle), [data.body(name).xipos for name in hand.body_names], atol=1e-9)
 

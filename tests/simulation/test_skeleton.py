@@ -8,7 +8,18 @@ from handlab.physics.muscle import muscle_force
 from handlab.physics.rotation import implicit_speed, turned
 from handlab.simulation import skeleton
 from handlab.simulation.balance import settled
-from handlab.simulation.skeleton import SUBSTEP, coupled, fibre_lengths, held_coordinates, integrate, mechanics, moments_of_inertia, pose, rest, step
+from handlab.simulation.skeleton import (
+    SUBSTEP,
+    coupled,
+    fibre_lengths,
+    held_coordinates,
+    integrate,
+    mechanics,
+    moments_of_inertia,
+    pose,
+    rest,
+    step,
+)
 
 DT = 1 / 60
 

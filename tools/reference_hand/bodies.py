@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from .skin import polydata
 
 DENSITY = 1100.0
-STEP = 0.001
+STEP = 0.0015
 PARENTS = {"forearm": (None, None), "carpus": ("forearm", "wrist"), "metacarpal_1": ("carpus", "cmc1"),
            "proximal_phalanx_1": ("metacarpal_1", "mcp1"), "distal_phalanx_1": ("proximal_phalanx_1", "ip1")}  # fmt: skip
 for _k in range(2, 6):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, least_squares
 from scipy.spatial.transform import Rotation
 
 from .rays import FINGERS
@@ -20,6 +20,11 @@ from .skeleton import Skeleton
 THUMB_BESIDE_INDEX = np.radians(22.0)
 THUMB_BASE_OFFSET = 0.004  # the abduction axis passes this far distal of the joint, through the base of metacarpal 1
 THUMB_AXIAL = (17.0 / 53.0, np.radians(17.0 / 53.0 * 20.0))  # coupling of joints.json: ratio, offset
+# How far a flexed finger leans to the radial side (rise per length along z): proximal phalanx at MCP 90, middle phalanx with
+# MCP 80 and PIP 98. Assumption, within a few degrees of the axes that the skin's bent fingers and nails show: fingers that
+# flex together lie side by side, and each alone points at the scaphoid tubercle.
+LEAN_PROXIMAL = {2: -0.04, 3: 0.08, 4: 0.06, 5: 0.11}
+LEAN_MIDDLE = {2: -0.10, 3: 0.00, 4: 0.10, 5: 0.33}
 MCP_AXIAL = {2: 0.0, 3: -0.03, 4: -0.08, 5: -0.10}
 
 
@@ -58,9 +63,12 @@ def articulate(skeleton: Skeleton) -> Articulation:
         palm = f"metacarpal_{k}" if k in (4, 5) else "carpus"
         shaft = _unit(centre[f"mcp{k}"] - foot[k])
         line = [centre[f"{name}{k}"] for name in ("mcp", "pip", "dip", "tip")]
-        _hinge(a, f"mcp{k}", palm, f"proximal_phalanx_{k}", line[0], skeleton.flexion[k], shaft, _unit(line[1] - line[0]), MCP_AXIAL[k])
-        _bend(a, f"pip{k}", f"proximal_phalanx_{k}", f"middle_phalanx_{k}", line[0], line[1], line[2], skeleton.flexion[k])
-        _bend(a, f"dip{k}", f"middle_phalanx_{k}", f"distal_phalanx_{k}", line[1], line[2], line[3], skeleton.flexion[k])
+        mcp_axis, pip_axis = _leaning_axes(a.body["carpus"][:3, :3].T @ shaft, k)
+        flexion = a.body["carpus"][:3, :3] @ mcp_axis
+        _hinge(a, f"mcp{k}", palm, f"proximal_phalanx_{k}", line[0], flexion, shaft, _unit(line[1] - line[0]), MCP_AXIAL[k])
+        flexion = a.body[f"proximal_phalanx_{k}"][:3, :3] @ pip_axis
+        _bend(a, f"pip{k}", f"proximal_phalanx_{k}", f"middle_phalanx_{k}", line[0], line[1], line[2], flexion)
+        _bend(a, f"dip{k}", f"middle_phalanx_{k}", f"distal_phalanx_{k}", line[1], line[2], line[3], flexion)
     _thumb(a, skeleton)
     return a
 
@@ -91,6 +99,26 @@ def _bend(a: Articulation, joint: str, parent: str, child: str, before: np.ndarr
     a.centre[joint] = _move(back, at)
     a.add(f"{joint}.flexion_extension", back[:3, :3] @ axis, a.centre[joint], angle)
     a.body[child] = _carried(a, a.body[parent], joint, ["flexion_extension"])
+
+
+def _leaning_axes(shaft: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Flexion axes of MCP and PIP in the zero posture, athwart ``shaft``, that give the leans above."""
+    first = _unit(_athwart(np.array([0, 0, 1.0]), shaft))
+    second = np.cross(shaft, first)
+
+    def axis(turn: float) -> np.ndarray:
+        return np.cos(turn) * first + np.sin(turn) * second
+
+    def lean(direction: np.ndarray) -> float:
+        return direction[2] / np.hypot(direction[0], direction[1])
+
+    mcp = axis(brentq(lambda turn: lean(np.cross(axis(turn), shaft)) - LEAN_PROXIMAL[k], -0.7, 0.7))
+    flexed = Rotation.from_rotvec(np.radians(80) * mcp) * Rotation.from_rotvec(-MCP_AXIAL[k] * np.radians(80) * shaft)
+
+    def middle(turn: float) -> np.ndarray:
+        return flexed.apply(Rotation.from_rotvec(np.radians(98) * axis(turn)).apply(shaft))
+
+    return mcp, axis(brentq(lambda turn: lean(middle(turn)) - LEAN_MIDDLE[k], -0.9, 0.9))
 
 
 def _thumb(a: Articulation, skeleton: Skeleton) -> None:
