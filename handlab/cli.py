@@ -20,6 +20,7 @@ USAGE_ERROR = 2
 TROUBLE = 1
 INTERRUPTED = 130
 RUN_SIZE = (1280, 720)
+RUN_FPS = 30.0
 
 Many = Annotated[list[str], Parameter(consume_multiple=True, negative="")]
 Out = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -34,6 +35,7 @@ app = App(
     print_error=False,
     exit_on_error=False,
     result_action="return_value",
+    suppress_keyboard_interrupt=False,
 )
 
 
@@ -56,7 +58,7 @@ def run(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     hand = load("right", "sound")
     clip = simulated(hand, "fist")
-    film = save(clip, folder / "fist.mp4", view=FOUR_SIDES, skin=["solid", "translucent"], size=RUN_SIZE)
+    film = save(clip, folder / "fist.mp4", view=FOUR_SIDES, skin=["solid", "translucent"], size=RUN_SIZE, fps=RUN_FPS)
     moments = {f"{clip.time[k]:.1f} s": clip.states[k] for k in (0, len(clip) // 3, len(clip) - 1)}
     picture = folder / "fist.png"
     sheet(hand, moments, picture)

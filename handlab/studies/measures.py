@@ -17,6 +17,7 @@ from handlab.simulation.per_hand import per_hand
 PULP_WEIGHT = 0.9  # skin of a distal phalanx that moves with nothing else
 PULP_FACING = 0.35  # cosine: skin that faces palmar
 THICKNESS = 0.008  # behind an open patch of skin, but nearer than this: inside the digit; farther: just elsewhere
+PALM = ("carpus", "metacarpal_1", "metacarpal_4", "metacarpal_5")
 OUTWARD = 0.0003  # a point this far outside its own skin is asked whether it lies in other skin
 
 
@@ -92,10 +93,15 @@ def facing(hand: Hand, skin: Array, first: int, second: int) -> float:
     return float(np.arccos(np.clip(-pulp_normal(hand, skin, first) @ pulp_normal(hand, skin, second), -1.0, 1.0)))
 
 
+def pulp_to_bodies(hand: Hand, skin: Array, k: int, bodies: tuple[str, ...]) -> float:
+    """Least signed distance from a pulp to the skin that moves mainly with these bodies."""
+    patch = np.concatenate([segment_faces(hand)[name] for name in bodies])
+    return float(signed_distance(skin[pulps(hand)[k]], skin[hand.skin.faces[patch]]).min())
+
+
 def pulp_to_palm(hand: Hand, skin: Array, k: int) -> float:
     """Least distance from a pulp to the skin that moves with the carpus and metacarpals."""
-    palm = np.concatenate([segment_faces(hand)[name] for name in ("carpus", "metacarpal_1", "metacarpal_4", "metacarpal_5")])
-    return float(signed_distance(skin[pulps(hand)[k]], skin[hand.skin.faces[palm]]).min())
+    return pulp_to_bodies(hand, skin, k, PALM)
 
 
 def flesh_depth(hand: Hand, skin: Array) -> Array:

@@ -1,0 +1,1 @@
+"""The named clips: targets, and how contractions are found for them."""
