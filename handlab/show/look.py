@@ -9,20 +9,23 @@ from __future__ import annotations
 
 from typing import Any
 
+# The lens is long, so the eye counts as straight ahead everywhere, (0, 0, 1): half vectors are constants. Powers are products:
+# on a software renderer every ``pow`` is felt.
 STUDIO = """
 vec3 N = normalize(normalVCVSOutput);
-vec3 V = normalize(-vertexVC.xyz);
-vec3 key = normalize(vec3(-0.45, 0.65, 0.62));
-vec3 fill = normalize(vec3(0.75, 0.05, 0.55));
-float facing = clamp(dot(N, V), 0.0, 1.0);
+float facing = clamp(N.z, 0.0, 1.0);
 float up = 0.5 + 0.5 * N.y;
-float sheen = max(dot(N, normalize(key + V)), 0.0);
-vec3 wrapped = clamp((vec3(dot(N, key)) + spread) / (vec3(1.0) + spread), 0.0, 1.0);
-vec3 ambient = mix(low, vec3(0.45, 0.46, 0.48), up);
-vec3 lit = diffuseColor * (ambient + 0.60 * wrapped * vec3(1.0, 0.975, 0.94)
-           + 0.20 * clamp((dot(N, fill) + 0.3) / 1.3, 0.0, 1.0) * vec3(0.88, 0.93, 1.0));
-lit += (gloss.x * pow(sheen, 14.0) + gloss.y * pow(sheen, 60.0)) * vec3(1.0, 0.97, 0.93);
-lit += 0.09 * pow(1.0 - facing, 3.0) * up * vec3(1.0, 0.88, 0.80);
+float edge = 1.0 - facing;
+float k = dot(N, vec3(-0.4480, 0.6471, 0.6170));
+vec3 wrapped = clamp((vec3(k) + spread) / (vec3(1.0) + spread), 0.0, 1.0);
+float fill = clamp((dot(N, vec3(0.8053, 0.0537, 0.5905)) + 0.3) * 0.7692, 0.0, 1.0);
+vec3 lit = diffuseColor * (mix(low, vec3(0.45, 0.46, 0.48), up) + wrapped * vec3(0.60, 0.585, 0.564)
+           + fill * vec3(0.176, 0.186, 0.20));
+float s2 = max(dot(N, vec3(-0.2491, 0.3599, 0.8992)), 0.0); s2 *= s2;
+float s8 = s2 * s2; s8 *= s8;
+float s16 = s8 * s8;
+float s64 = s16 * s16; s64 *= s64;
+lit += (gloss.x * s16 + gloss.y * s64) * vec3(1.0, 0.97, 0.93) + (0.09 * edge * edge * edge * up) * vec3(1.0, 0.88, 0.80);
 """
 SKIN = "vec3 spread = vec3(0.42, 0.20, 0.14); vec3 low = vec3(0.40, 0.325, 0.305); vec2 gloss = vec2(0.085, 0.05);"
 BONE = "vec3 spread = vec3(0.30, 0.24, 0.18); vec3 low = vec3(0.38, 0.34, 0.30); vec2 gloss = vec2(0.07, 0.08);"
@@ -39,5 +42,5 @@ def paint(actor: Any, material: str, density: tuple[float, float] | None = None)
         end = "fragOutput0.rgb = lit;"
     else:
         straight, outline = density
-        end = f"fragOutput0 = vec4(lit, {straight:.4f} + {outline - straight:.4f} * pow(1.0 - facing, 2.0));"
+        end = f"fragOutput0 = vec4(lit, {straight:.4f} + {outline - straight:.4f} * edge * edge);"
     actor.GetShaderProperty().AddFragmentShaderReplacement(HOOK, True, f"{HOOK}\n{material}\n{STUDIO}\n{end}\n", False)

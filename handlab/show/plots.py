@@ -114,5 +114,3 @@ def _rows(axes: Any, hand: Hand, ratio: Array, force: Array, group: dict[str, in
     axes.set(xlabel="fibre length / rest length", xlim=(low, high), ylim=(len(ratio) - 0.4, -0.6))
     axes.set_yticks(range(len(ratio)), [muscle.abbreviation for muscle in hand.muscles.values()], fontsize=11)
     axes.grid(axis="x", visible=False)
-
-

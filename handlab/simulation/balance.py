@@ -6,13 +6,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.ligament import between, collateral_torque
 from handlab.physics.muscle import active_force_length, active_slope, muscle_force, passive_force_length, passive_slope
 from handlab.simulation.skeleton import SUBSTEP, contraction_of, held_coordinates, integrate, mechanics, state_at
 from handlab.simulation.state import State
+
+Flags = NDArray[np.bool_]
 
 # A joint this near to a limit leans on its stop (an assumption; a posture is aimed at, not met).
 NEAR_LIMIT = np.deg2rad(0.5)
@@ -38,7 +40,7 @@ def passive_torque(hand: Hand, y: Array) -> Array:
     return torque
 
 
-def stops(hand: Hand, y: Array) -> tuple[Array, Array]:
+def stops(hand: Hand, y: Array) -> tuple[Flags, Flags]:
     """Whether each moving coordinate leans on its lower and its upper stop, collateral ligaments included."""
     m = mechanics(hand)
     limits = np.array(m.limits)

@@ -166,11 +166,9 @@ def held_coordinates(hand: Hand, hold: Iterable[str]) -> NDArray[np.bool_]:
     known = {**{name: [dof.name for dof in joint.dofs] for name, joint in hand.joints.items()}, **{name: [name] for name in hand.dof_names}}
     for name in names:
         for dof in known[find(name, known, kind="joint or degree of freedom")]:
-            row = hand.dof_names.index(dof)
             driver = hand.dofs[dof]
             while driver.driver is not None:
                 driver = hand.dofs[driver.driver]
-            held |= hand.coupling[row] != 0.0
             held[hand.moving_names.index(driver.name)] = True
     return held
 

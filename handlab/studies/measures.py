@@ -16,7 +16,7 @@ from handlab.simulation.per_hand import per_hand
 
 PULP_WEIGHT = 0.9  # skin of a distal phalanx that moves with nothing else
 PULP_FACING = 0.35  # cosine: skin that faces palmar
-THICKNESS = 0.008  # behind an open patch of skin, but nearer than this: inside the digit; farther: just elsewhere
+THICKNESS = 0.008  # a point farther than this behind a patch of skin is on its other side, not in it
 PALM = ("carpus", "metacarpal_1", "metacarpal_4", "metacarpal_5")
 OUTWARD = 0.0003  # a point this far outside its own skin is asked whether it lies in other skin
 
@@ -65,20 +65,26 @@ def segment_faces(hand: Hand) -> dict[str, Index]:
     return {name: np.flatnonzero((main[hand.skin.faces] == i).any(axis=1)) for i, name in enumerate(hand.body_names)}
 
 
-def signed_distance(points: Array, corners: Array) -> Array:
-    """Distance (N,) to triangles (M, 3, 3), negative close behind the nearest one."""
-    distance, triangle, place = closest(np.ascontiguousarray(points), np.ascontiguousarray(corners))
+def skin_distance(hand: Hand, skin: Array, points: Index, triangles: Index) -> Array:
+    """Distance from skin points to some triangles of the skin, negative where a point lies in flesh behind them."""
+    corners = np.ascontiguousarray(skin[hand.skin.faces[triangles]])
+    place = np.ascontiguousarray(skin[points])
+    distance, triangle, near = closest(place, corners)
     t = corners[triangle]
-    normal = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
-    behind = (np.einsum("ij,ij->i", points - place, normal) < 0.0) & (distance < THICKNESS)
-    result: Array = np.where(behind, -distance, distance)
-    return result
+    behind = np.einsum("ij,ij->i", place - near, np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])) < 0.0
+    doubtful = np.flatnonzero(behind & (distance < THICKNESS))
+    if len(doubtful):  # behind an open patch is not yet inside
+        outside = place[doubtful] + OUTWARD * vertex_normals(skin, hand.skin.faces)[points[doubtful]]
+        inside = winding(outside, np.ascontiguousarray(skin[hand.skin.faces])) > 0.5
+        distance[doubtful[inside]] *= -1.0
+    return distance
 
 
 def pulp_gap(hand: Hand, skin: Array, first: int, second: int) -> float:
     """Least signed distance between the skin of two fingertips; negative where they overlap."""
-    one, two = (skin[hand.skin.faces[segment_faces(hand)[f"distal_phalanx_{k}"]]] for k in (first, second))
-    return float(min(signed_distance(skin[pulps(hand)[first]], two).min(), signed_distance(skin[pulps(hand)[second]], one).min()))
+    pulp, faces = pulps(hand), segment_faces(hand)
+    there = skin_distance(hand, skin, pulp[first], faces[f"distal_phalanx_{second}"])
+    return float(min(there.min(), skin_distance(hand, skin, pulp[second], faces[f"distal_phalanx_{first}"]).min()))
 
 
 def pulp_normal(hand: Hand, skin: Array, k: int) -> Array:
@@ -96,7 +102,7 @@ def facing(hand: Hand, skin: Array, first: int, second: int) -> float:
 def pulp_to_bodies(hand: Hand, skin: Array, k: int, bodies: tuple[str, ...]) -> float:
     """Least signed distance from a pulp to the skin that moves mainly with these bodies."""
     patch = np.concatenate([segment_faces(hand)[name] for name in bodies])
-    return float(signed_distance(skin[pulps(hand)[k]], skin[hand.skin.faces[patch]]).min())
+    return float(skin_distance(hand, skin, pulps(hand)[k], patch).min())
 
 
 def pulp_to_palm(hand: Hand, skin: Array, k: int) -> float:
@@ -120,6 +126,32 @@ def flesh_depth(hand: Hand, skin: Array) -> Array:
         facing_it = face_normal @ normals[i] < 0.0
         depth[i] = closest(skin[i : i + 1], np.ascontiguousarray(corners[facing_it]))[0][0] if facing_it.any() else 0.0
     return depth
+
+
+def digit_depths(hand: Hand, skin: Array) -> Array:
+    """How deep each digit's last phalanges lie in the palm and in the other digits: (5, 6), column 0 the palm. Quick, for solvers."""
+    depth = np.zeros((5, 6))
+    for k, free in _digit_points(hand).items():
+        for other, triangles in _digit_faces(hand).items():
+            if other != k and (k == 1 or other < 2 or abs(k - other) == 1):
+                depth[k - 1, other] = max(0.0, -float(skin_distance(hand, skin, free, triangles).min()))
+    return depth
+
+
+@per_hand
+def _digit_points(hand: Hand) -> dict[int, Index]:
+    """Skin of each digit beyond its first phalanx's middle: what can touch other skin."""
+    sure = hand.skin.weights.max(axis=1) > 0.6
+    main = np.array(hand.body_names)[hand.skin.weights.argmax(axis=1)]
+    return {k: np.flatnonzero(sure & np.isin(main, [f"{kind}_phalanx_{k}" for kind in (("middle", "distal") if k > 1 else ("proximal", "distal"))])) for k in range(1, 6)}
+
+
+@per_hand
+def _digit_faces(hand: Hand) -> dict[int, Index]:
+    """Triangles of the palm (0) and of each digit (1 to 5)."""
+    faces = segment_faces(hand)
+    digits = {k: np.unique(np.concatenate([faces[n] for n in faces if n.endswith(f"phalanx_{k}")])) for k in range(1, 6)}
+    return {0: np.unique(np.concatenate([faces[name] for name in PALM]))} | digits
 
 
 def bone_depths(hand: Hand, angle: ArrayLike) -> dict[tuple[str, str], float]:

@@ -45,7 +45,9 @@ def test_the_constraints_fit_the_bounds_of_the_project():
     from packaging.requirements import Requirement
 
     text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
-    pins = [(name_of(line), re.search(r"==([^ ;]+)", line)[1]) for line in text.splitlines() if "==" in line and not line.startswith((" ", "#"))]
+    pins = [
+        (name_of(line), re.search(r"==([^ ;]+)", line)[1]) for line in text.splitlines() if "==" in line and not line.startswith((" ", "#"))
+    ]
     for one in [*PROJECT["dependencies"], *(one for extra in EXTRAS.values() for one in extra)]:
         requirement = Requirement(one)
         versions = [version for name, version in pins if name == name_of(one)]

@@ -3,6 +3,7 @@
 import importlib
 import re
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -40,14 +41,10 @@ def things():
 
 def follow(name, things):
     head, *rest = name.split(".")
-    if head != "handlab":
-        thing = things[head]
-    else:
-        thing = hl
-        while rest and not hasattr(thing, rest[0]):
-            importlib.import_module(f"{thing.__name__}.{rest[0]}")
-            thing = getattr(thing, rest.pop(0))
+    thing = hl if head == "handlab" else things[head]
     for part in rest:
+        if isinstance(thing, ModuleType) and not hasattr(thing, part):
+            importlib.import_module(f"{thing.__name__}.{part}")
         thing = getattr(thing, part)
     return thing
 

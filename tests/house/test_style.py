@@ -9,7 +9,18 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = sorted((ROOT / "handlab").rglob("*.py"))
-SKIPPED = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis", ".import_linter_cache", "__pycache__", "dist", "build"}
+SKIPPED = {
+    ".git",
+    ".venv",
+    ".mypy_cache",
+    ".ruff_cache",
+    ".pytest_cache",
+    ".hypothesis",
+    ".import_linter_cache",
+    "__pycache__",
+    "dist",
+    "build",
+}
 TEXT = {".py", ".md", ".toml", ".txt", ".yml", ".cff", ".json", ".csv", ".ipynb", ".js", ".html", ""}
 MOST_LINES = 300
 
@@ -48,7 +59,12 @@ def test_no_module_is_called_utils():
 
 
 def test_no_file_holds_a_path_of_one_machine_or_an_address_of_a_registry():
-    found = [(str(path.relative_to(ROOT)), word) for path in texts() for word in FORBIDDEN if word in path.read_text(encoding="utf-8", errors="ignore")]
+    found = [
+        (str(path.relative_to(ROOT)), word)
+        for path in texts()
+        for word in FORBIDDEN
+        if word in path.read_text(encoding="utf-8", errors="ignore")
+    ]
     assert not found
 
 
@@ -77,7 +93,11 @@ def test_every_public_function_says_what_it_does_and_takes(path):
 def test_nothing_below_show_draws_by_a_back_door(path):
     """import-linter reads import statements; this reads the other ways to load a module."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__", "find_spec")) and path.name != "__init__.py":
+        if (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func).endswith(("import_module", "__import__", "find_spec"))
+            and path.name != "__init__.py"
+        ):
             assert not any(isinstance(argument, ast.Constant) and str(argument.value).split(".")[0] in DRAWING for argument in node.args)
 
 

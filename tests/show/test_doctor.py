@@ -50,7 +50,11 @@ def test_without_any_library_the_message_says_what_to_install(monkeypatch):
 def test_the_window_of_vtk_is_chosen_only_where_there_is_no_screen_and_no_choice(monkeypatch):
     monkeypatch.setattr(gl, "loads", lambda library: "EGL" in library)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    for display, before, after in ((None, None, "vtkEGLRenderWindow"), (":0", None, None), (None, "vtkOSOpenGLRenderWindow", "vtkOSOpenGLRenderWindow")):
+    for display, before, after in (
+        (None, None, "vtkEGLRenderWindow"),
+        (":0", None, None),
+        (None, "vtkOSOpenGLRenderWindow", "vtkOSOpenGLRenderWindow"),
+    ):
         for name, value in (("DISPLAY", display), (gl.WINDOW, before)):
             if value is None:
                 monkeypatch.delenv(name, raising=False)
@@ -63,6 +67,8 @@ def test_the_window_of_vtk_is_chosen_only_where_there_is_no_screen_and_no_choice
 @linux
 def test_a_picture_comes_out_without_a_screen():
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", gl.WINDOW)}
-    done = subprocess.run([sys.executable, "-c", "from handlab.show.doctor import draw; draw()"], env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", "from handlab.show.doctor import draw; draw()"], env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert "bad X server" not in done.stderr

@@ -156,5 +156,9 @@ def test_a_sheet_has_a_row_per_posture_and_a_column_per_view_and_skin(hand, tmp_
     image = np.asarray(hl.sheet(hand, states, tmp_path / "sheet.png", view=["palm", "back"], tile=(100, 120)))
     margin, head = 42, 19
     assert image.shape == (head + 2 * 120, margin + 4 * 100, 3)
-    assert all(drawn(image[head + 120 * r : head + 120 * (r + 1), margin + 100 * c : margin + 100 * (c + 1)]).mean() > 0.04 for r in range(2) for c in range(4))
+    assert all(
+        drawn(image[head + 120 * r : head + 120 * (r + 1), margin + 100 * c : margin + 100 * (c + 1)]).mean() > 0.04
+        for r in range(2)
+        for c in range(4)
+    )
     assert np.array_equal(iio.imread(tmp_path / "sheet.png"), image)

@@ -64,6 +64,8 @@ def test_every_muscle_keeps_its_own_times():
     together = keyframes({"FDP2": [(0, 0), (0.5, 1), (2, 0.2)], "EDC2": [(0.1, 0.5), (1.7, 0.1), (3, 0.4)]})
     at = np.linspace(0, 3, 100)
     np.testing.assert_array_equal(alone.at(at)[:, column(alone)], together.at(at)[:, column(together)])
+    other = PchipInterpolator([0.1, 1.7, 3], [0.5, 0.1, 0.4])(np.clip(at, 0.1, 3))
+    np.testing.assert_allclose(together.at(at)[:, column(together, EDC2)], other, atol=1e-12)
 
 
 def test_one_time_gives_one_row_and_many_times_many():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from handlab.physics.muscle import muscle_force
+from handlab.simulation.keyframes import keyframes
 from handlab.simulation.play import simulate
 from handlab.simulation.skeleton import SUBSTEP, coupled, integrate, mechanics, rest, step
 
@@ -37,10 +38,7 @@ def test_frames_between_substeps_lie_on_the_motion(hand):
 
 def test_substeps_are_short_enough(hand):
     """Half as long, they move the angles of a lively clip by little; four times as long, by more: first order."""
-    m = mechanics(hand)
-    from handlab.simulation.keyframes import keyframes
-
-    keys = keyframes(LIVELY)
+    m, keys = mechanics(hand), keyframes(LIVELY)
 
     def path(dt):
         n = round(2.0 / dt)
@@ -51,6 +49,14 @@ def test_substeps_are_short_enough(hand):
     error = [np.rad2deg(np.abs(path(dt) - exact)).max() for dt in (SUBSTEP, SUBSTEP / 2)]
     assert error[0] < 0.5
     assert error[1] < 0.7 * error[0]
+
+
+def test_a_long_clip_follows_its_keys_to_the_end(hand):
+    """In one go, without the pieces that a simulation is cut into."""
+    m, keys = mechanics(hand), keyframes(LIVELY)
+    contraction = keys.at((np.arange(3600) + 0.5) * SUBSTEP)
+    y, _ = integrate(hand, m.rest_y, np.zeros(len(m.rest_y)), contraction, SUBSTEP, np.zeros(len(m.rest_y), bool))
+    np.testing.assert_allclose(simulate(hand, LIVELY, seconds=3).angle, coupled(hand, y[::20]), atol=1e-12)
 
 
 def test_steps_of_one_frame_and_a_simulation_agree(hand):

@@ -3,11 +3,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import handlab
 from handlab.physics.ligament import between, collateral_torque
 from handlab.physics.muscle import muscle_force
 from handlab.physics.rotation import implicit_speed, turned
 from handlab.simulation import skeleton
-from handlab.simulation.balance import settled
+from handlab.simulation.balance import passive_torque, settled
 from handlab.simulation.skeleton import (
     SUBSTEP,
     coupled,
@@ -216,8 +217,9 @@ def test_a_held_joint_keeps_an_angle_that_is_not_that_of_rest(hand):
 
 
 def test_holding_a_follower_holds_its_driver(hand):
-    held = held_coordinates(hand, ["cmc4"])
-    assert [hand.moving_names[k] for k in np.flatnonzero(held)] == ["cmc5.flexion_opposition"]
+    for follower, driver in (("cmc4", "cmc5.flexion_opposition"), ("mcp5.axial_rotation", "mcp5.flexion_extension")):
+        held = held_coordinates(hand, [follower])
+        assert [hand.moving_names[k] for k in np.flatnonzero(held)] == [driver]
 
 
 def test_an_unknown_joint_to_hold_is_answered_with_the_nearest(hand):
@@ -309,3 +311,15 @@ def test_inertia_is_renewed_often_enough(hand, rng, monkeypatch):
         monkeypatch.setattr(skeleton, "INERTIA_EVERY", every)
         paths.append(integrate(hand, m.rest_y, np.zeros(len(m.rest_y)), contraction, SUBSTEP, held)[0])
     assert np.rad2deg(np.abs(paths[0] - paths[1])).max() < 1.0
+
+
+def test_the_printed_reading_stays_finite_and_does_not_come_back_by_itself():
+    """Without joint stiffness nothing but stretched fibres brings a joint back."""
+    printed = handlab.load_hand(reading="printed")
+    np.testing.assert_allclose(rest(printed).fibre_length, printed.rest_length, atol=1e-15)
+    bent = settled(printed, {"FDP2": 1.0}, hold=["wrist"])
+    assert np.isfinite(bent.angle).all()
+    k = printed.dof_names.index("pip2.flexion_extension")
+    relaxed = settled(printed, {}, start=bent, hold=["wrist"], seconds=1.0)
+    assert np.rad2deg(relaxed.angle[k] - rest(printed).angle[k]) > 5.0
+    assert np.all(passive_torque(printed, np.array(relaxed.angle[mechanics(printed).moving])) == 0.0)

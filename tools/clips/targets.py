@@ -11,7 +11,7 @@ from typing import Any
 
 FINGERS = (2, 3, 4, 5)
 STRAIGHT = {"mcp": (-8, 12), "pip": (0, 10), "dip": (0, 10)}
-CLOSED = {"mcp": (78, 88), "pip": (96, 108), "dip": (48, 70)}
+CLOSED = {"mcp": (76, 88), "pip": (92, 108), "dip": (46, 70)}
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,10 @@ def fingers(shape: dict[str, Any], which: tuple[int, ...] = FINGERS) -> dict[str
     return {f"{joint}{k}.flexion_extension": value for k in which for joint, value in shape.items()}
 
 
+# fingers side by side, in line with their metacarpals
+SIDE_BY_SIDE = {"mcp2.deviation": (-4, 6), "mcp3.deviation": (-4, 4), "mcp4.deviation": (-6, 4), "mcp5.deviation": (-8, 4)}
+
+
 def thumb(flexion: Any, abduction: Any, mcp: Any, ip: Any) -> dict[str, Any]:
     """Angles of the thumb."""
     return {"cmc1.flexion_opposition": flexion, "cmc1.abduction_adduction": abduction, "mcp1.flexion_extension": mcp, "ip1.flexion_extension": ip}
@@ -44,13 +48,13 @@ ACROSS = {1: ("middle_phalanx_2", "middle_phalanx_3")}  # the thumb lies over th
 THUMB_OUT = thumb((-16, -4), (12, 34), (-4, 14), (-6, 14))
 
 POSTURES: dict[str, Posture] = {
-    "open": Posture({**fingers(STRAIGHT), **THUMB_OUT, **wrist((-20, 5))}),
+    "open": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-20, 2))}),
     "fist": Posture({**fingers(CLOSED), **wrist((-30, -14))}, thumb(22, 32, 38, 45), rest_on=ACROSS, near_palm=FINGERS),
     "point": Posture({**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **wrist((-30, -10))}, thumb(24, 30, 40, 45),
                      rest_on={1: ("middle_phalanx_3",)}, near_palm=(3, 4, 5)),
-    "two": Posture({**fingers(STRAIGHT, (2, 3)), **fingers(CLOSED, (4, 5)), **wrist((-30, -10))}, thumb(28, 32, 45, 45), near_palm=(4, 5)),
-    "three": Posture({**fingers(STRAIGHT, (2, 3, 4)), **fingers(CLOSED, (5,)), **wrist((-30, -8))}, thumb(30, 34, 48, 48)),
-    "four": Posture({**fingers(STRAIGHT), **wrist((-25, 0))}, thumb(32, 22, 50, 50)),
+    "two": Posture({**fingers(STRAIGHT, (2, 3)), "mcp2.deviation": (2, 10), "mcp3.deviation": (-8, 0), **fingers(CLOSED, (4, 5)), **wrist((-30, -10))}, thumb(28, 32, 45, 45), near_palm=(4, 5)),
+    "three": Posture({**fingers(STRAIGHT, (2, 3, 4)), **{k: v for k, v in SIDE_BY_SIDE.items() if k[3] != "5"}, **fingers(CLOSED, (5,)), **wrist((-30, -8))}, thumb(30, 34, 48, 48)),
+    "four": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **wrist((-25, 0))}, thumb(32, 22, 50, 50)),
     "pinch": Posture(wrist((-30, -5)), {**thumb(16, 38, 12, 22), **fingers({"mcp": 52, "pip": 48, "dip": 25}, (2,)),
                      **fingers({"mcp": 40, "pip": 50, "dip": 25}, (3, 4, 5))}, meet=(2,)),
     "key-pinch": Posture({**fingers({"mcp": (35, 65), "pip": (65, 100), "dip": (15, 50)}), **wrist((-30, -5))}, thumb(10, 6, 18, 25),
@@ -60,11 +64,11 @@ POSTURES: dict[str, Posture] = {
     "thumbs-up": Posture({**fingers(CLOSED), **thumb((-20, -8), (0, 34), (-8, 12), (-12, 10)), **wrist((-20, 8))}, near_palm=FINGERS),
     "spread": Posture({**fingers(STRAIGHT), **THUMB_OUT, **wrist((-20, 8)), "mcp2.deviation": (8, 15), "mcp4.deviation": (-15, -7),
                       "mcp5.deviation": (-15, -9), "mcp3.deviation": (-5, 5)}),
-    "hook": Posture({**fingers({"mcp": (0, 30), "pip": (80, 105), "dip": (40, 65)}), **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
+    "hook": Posture({**fingers({"mcp": (0, 30), "pip": (80, 104), "dip": (25, 65)}), **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
     "l": Posture({**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -10), (0, 26), (-6, 12), (-8, 12)), **wrist((-25, 0))},
                  near_palm=(3, 4, 5)),
-    "wave-radial": Posture({**fingers(STRAIGHT), **THUMB_OUT, **wrist((-15, 5), (9, 18))}),
-    "wave-ulnar": Posture({**fingers(STRAIGHT), **THUMB_OUT, **wrist((-15, 5), (-26, -15))}),
+    "wave-radial": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (9, 18))}),
+    "wave-ulnar": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (-22, -13))}),
 } | {
     f"opposition-{name}": Posture(wrist((-30, -3)), {**thumb(24, 40, 18, 25), **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,))}, meet=(k,))
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))

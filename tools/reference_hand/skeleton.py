@@ -134,7 +134,7 @@ def _forearm(source: BoneSet, name: str, linear: np.ndarray, centres: dict) -> n
     points = straight.apply(points - end) + end
     mc3 = _unit(centres["mcp3"])
     unbend = Rotation.align_vectors([[1.0, 0, 0]], [mc3])[0].as_matrix()
-    return points @ (FOREARM_WIDTH[:, None] * (unbend @ linear)).T + CARPUS_SHIFT - [0.0008, 0, 0]  # clear of the scaphoid
+    return points @ (FOREARM_WIDTH[:, None] * (unbend @ linear)).T + CARPUS_SHIFT - [0.0018, 0, 0]  # clear of the lunate in ulnar deviation
 
 
 def _between(points: np.ndarray, source: tuple, target: tuple, across: float) -> np.ndarray:
