@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from handlab.physics.compiled import compiled
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def closest(points: Array, corners: Array) -> tuple[Array, Index, Array]:
     """Nearest place on triangles ``corners`` (M, 3, 3) to each of ``points`` (N, 3).
 
@@ -61,7 +62,7 @@ def closest(points: Array, corners: Array) -> tuple[Array, Index, Array]:
     return distance, triangle, place
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def winding(points: Array, corners: Array) -> Array:
     """How often the surface ``corners`` (M, 3, 3) winds about each point: 1 inside once, 2 inside two parts of it, 0 outside.
 
@@ -74,9 +75,12 @@ def winding(points: Array, corners: Array) -> Array:
             ax, ay, az = corners[t, 0, 0] - points[i, 0], corners[t, 0, 1] - points[i, 1], corners[t, 0, 2] - points[i, 2]
             bx, by, bz = corners[t, 1, 0] - points[i, 0], corners[t, 1, 1] - points[i, 1], corners[t, 1, 2] - points[i, 2]
             cx, cy, cz = corners[t, 2, 0] - points[i, 0], corners[t, 2, 1] - points[i, 1], corners[t, 2, 2] - points[i, 2]
-            la, lb, lc = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz), math.sqrt(cx * cx + cy * cy + cz * cz)
+            la = math.sqrt(ax * ax + ay * ay + az * az)
+            lb = math.sqrt(bx * bx + by * by + bz * bz)
+            lc = math.sqrt(cx * cx + cy * cy + cz * cz)
             volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-            below = la * lb * lc + (ax * bx + ay * by + az * bz) * lc + (bx * cx + by * cy + bz * cz) * la + (cx * ax + cy * ay + cz * az) * lb
+            ab, bc, ca = ax * bx + ay * by + az * bz, bx * cx + by * cy + bz * cz, cx * ax + cy * ay + cz * az
+            below = la * lb * lc + ab * lc + bc * la + ca * lb
             total += 2.0 * math.atan2(volume, below)
         result[i] = total / (4.0 * math.pi)
     return result

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handlab.simulation.compiled import compiled
+from handlab.physics.compiled import compiled
 
 Array = NDArray[np.float64]
 Index = NDArray[np.uint32]

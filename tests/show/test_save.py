@@ -161,4 +161,6 @@ def test_a_sheet_has_a_row_per_posture_and_a_column_per_view_and_skin(hand, tmp_
         for r in range(2)
         for c in range(4)
     )
+    assert not drawn(image[:, :margin]).any()
+    assert not drawn(image[:head]).any()
     assert np.array_equal(iio.imread(tmp_path / "sheet.png"), image)

@@ -27,5 +27,6 @@ def test_where_machine_code_cannot_be_kept_a_kernel_is_compiled_anyway(monkeypat
 
 
 def test_key_frames_and_clips_are_read_without_compiler_and_scipy():
-    code = "import sys, handlab; handlab.keyframes({'FDP2': 0.5}).at(1.0); handlab.clips(); sys.exit(bool({'numba', 'scipy'} & set(sys.modules)))"
+    code = "import sys, handlab; handlab.keyframes({'FDP2': 0.5}).at(1.0); handlab.clips(); "
+    code += "sys.exit(bool({'numba', 'scipy'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

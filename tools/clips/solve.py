@@ -24,7 +24,7 @@ from .targets import CLIPS, POSTURES, Posture
 
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "clips"
 PULP_GAP = 0.0010  # aimed at where pulps meet; -1 to 4 mm is accepted
-SLACK = 0.0006  # flesh may enter flesh this much
+SLACK = 0.0011  # flesh may enter flesh this much
 ROUNDED = 4  # decimals of a contraction
 
 
@@ -64,7 +64,7 @@ class Solver:
             distance = measures.pulp_to_palm(self.hand, skin, k)
             r.append(max(0.0, distance - 0.006) / 0.0010)
         depth = measures.digit_depths(self.hand, skin)
-        r += list(np.maximum(0.0, depth - SLACK).ravel() / 0.0004)
+        r += list(np.maximum(0.0, depth - SLACK).ravel() / 0.0003)
         balance = contraction_for(self.hand, angle)
         drift = np.degrees(balance.unbalanced / self.m.stiffness)  # how far the joint would sink
         r += list(drift / 6.0)
@@ -72,15 +72,19 @@ class Solver:
 
     def posture(self, posture: Posture) -> tuple[np.ndarray, np.ndarray]:
         """Moving coordinates and contractions."""
-        start = self.m.rest_y.copy()
-        for i, name in enumerate(self.names):
-            if name in posture.wish:
-                start[i] = np.radians(posture.wish[name])
-            elif name in posture.window:
-                start[i] = np.radians(np.mean(posture.window[name]))
         margin = np.radians(0.8)
         low, high = self.limits[:, 0] + margin, self.limits[:, 1] - margin
-        found = least_squares(self.residual, np.clip(start, low + 1e-3, high - 1e-3), bounds=(low, high), args=(posture,), diff_step=1e-4, max_nfev=25)
+        tries = []
+        for other in posture.starts:
+            start = self.m.rest_y.copy()
+            for i, name in enumerate(self.names):
+                if name in {**posture.wish, **other}:
+                    start[i] = np.radians({**posture.wish, **other}[name])
+                elif name in posture.window:
+                    start[i] = np.radians(np.mean(posture.window[name]))
+            start = np.clip(start, low + 1e-3, high - 1e-3)
+            tries.append(least_squares(self.residual, start, bounds=(low, high), args=(posture,), diff_step=1e-3, max_nfev=40))
+        found = min(tries, key=lambda one: one.cost)
         aim = found.x
         best: tuple[float, np.ndarray, np.ndarray] | None = None
         target = aim.copy()

@@ -11,7 +11,7 @@ from typing import Any
 
 FINGERS = (2, 3, 4, 5)
 STRAIGHT = {"mcp": (-8, 12), "pip": (0, 10), "dip": (0, 10)}
-CLOSED = {"mcp": (76, 88), "pip": (92, 108), "dip": (46, 70)}
+CLOSED = {"mcp": (77, 89), "pip": (91, 104), "dip": (47, 70)}
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Posture:
     meet: tuple[int, ...] = ()  # the thumb's pulp meets the pulps of these fingers
     rest_on: dict[int, tuple[str, ...]] = field(default_factory=dict)  # pulp of a digit -> bodies whose skin it touches
     near_palm: tuple[int, ...] = ()  # pulps within 10 mm of the palm
+    starts: tuple[dict[str, float], ...] = ({},)  # other places to start the search from; the best result counts
 
 
 def fingers(shape: dict[str, Any], which: tuple[int, ...] = FINGERS) -> dict[str, Any]:
@@ -31,7 +32,7 @@ def fingers(shape: dict[str, Any], which: tuple[int, ...] = FINGERS) -> dict[str
 
 
 # fingers side by side, in line with their metacarpals
-SIDE_BY_SIDE = {"mcp2.deviation": (-4, 6), "mcp3.deviation": (-4, 4), "mcp4.deviation": (-6, 4), "mcp5.deviation": (-8, 4)}
+SIDE_BY_SIDE = {"mcp2.deviation": (-4, 4), "mcp3.deviation": (-3, 3), "mcp4.deviation": (-6, -1), "mcp5.deviation": (-9, -2)}
 
 
 def thumb(flexion: Any, abduction: Any, mcp: Any, ip: Any) -> dict[str, Any]:
@@ -45,13 +46,14 @@ def wrist(flexion: Any, deviation: Any = (-6, 6)) -> dict[str, Any]:
 
 
 ACROSS = {1: ("middle_phalanx_2", "middle_phalanx_3")}  # the thumb lies over the fist
+THUMB_STARTS = (thumb(20, 40, 30, 30), thumb(10, 44, 20, 40), thumb(28, 44, 10, 20), thumb(25, 36, 45, 55))
 THUMB_OUT = thumb((-16, -4), (12, 34), (-4, 14), (-6, 14))
 
 POSTURES: dict[str, Posture] = {
     "open": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-20, 2))}),
-    "fist": Posture({**fingers(CLOSED), **wrist((-30, -14))}, thumb(22, 32, 38, 45), rest_on=ACROSS, near_palm=FINGERS),
+    "fist": Posture({**fingers(CLOSED), **wrist((-30, -14))}, thumb(22, 32, 38, 45), rest_on=ACROSS, near_palm=FINGERS, starts=THUMB_STARTS),
     "point": Posture({**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **wrist((-30, -10))}, thumb(24, 30, 40, 45),
-                     rest_on={1: ("middle_phalanx_3",)}, near_palm=(3, 4, 5)),
+                     rest_on={1: ("middle_phalanx_3",)}, near_palm=(3, 4, 5), starts=THUMB_STARTS),
     "two": Posture({**fingers(STRAIGHT, (2, 3)), "mcp2.deviation": (2, 10), "mcp3.deviation": (-8, 0), **fingers(CLOSED, (4, 5)), **wrist((-30, -10))}, thumb(28, 32, 45, 45), near_palm=(4, 5)),
     "three": Posture({**fingers(STRAIGHT, (2, 3, 4)), **{k: v for k, v in SIDE_BY_SIDE.items() if k[3] != "5"}, **fingers(CLOSED, (5,)), **wrist((-30, -8))}, thumb(30, 34, 48, 48)),
     "four": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **wrist((-25, 0))}, thumb(32, 22, 50, 50)),
@@ -70,7 +72,8 @@ POSTURES: dict[str, Posture] = {
     "wave-radial": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (9, 18))}),
     "wave-ulnar": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (-22, -13))}),
 } | {
-    f"opposition-{name}": Posture(wrist((-30, -3)), {**thumb(24, 40, 18, 25), **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,))}, meet=(k,))
+    f"opposition-{name}": Posture(wrist((-30, -3)), {**thumb(24, 40, 18, 25), **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,)),
+                                                       **fingers({"mcp": 15, "pip": 25, "dip": 12}, tuple(m for m in FINGERS if m != k))}, meet=(k,), starts=({}, fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)), thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,))))
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))
 }  # fmt: skip
 

@@ -90,7 +90,7 @@ def bind(fine: np.ndarray, points: np.ndarray, faces: np.ndarray) -> tuple[np.nd
     """
     normals = vertex_normals(points, faces)
     centres = points[faces].mean(axis=1)
-    _, candidates = cKDTree(centres).query(fine, k=14)
+    _, candidates = cKDTree(centres).query(fine, k=24)
     best = np.full(len(fine), np.inf)
     triangle = np.zeros(len(fine), dtype=np.int64)
     barycentric, height = np.full((len(fine), 3), 1 / 3), np.zeros(len(fine))
@@ -99,7 +99,7 @@ def bind(fine: np.ndarray, points: np.ndarray, faces: np.ndarray) -> tuple[np.nd
         p, n = points[faces[face]], normals[faces[face]]
         x = np.zeros((len(fine), 3))  # b1, b2, h
         x[:, :2] = 1 / 3
-        for _ in range(8):
+        for _ in range(12):
             b = np.stack([1 - x[:, 0] - x[:, 1], x[:, 0], x[:, 1]], axis=1)
             q = p + x[:, 2, None, None] * n
             residual = (b[:, :, None] * q).sum(axis=1) - fine
@@ -107,8 +107,9 @@ def bind(fine: np.ndarray, points: np.ndarray, faces: np.ndarray) -> tuple[np.nd
             x -= np.linalg.solve(jacobian, residual[:, :, None])[:, :, 0]
         b = np.stack([1 - x[:, 0] - x[:, 1], x[:, 0], x[:, 1]], axis=1)
         outside = np.maximum(0, -b.min(axis=1))
+        missed = np.linalg.norm((b[:, :, None] * (p + x[:, 2, None, None] * n)).sum(axis=1) - fine, axis=1)
         cost = outside * 0.01 + np.abs(x[:, 2])
-        cost[~np.isfinite(cost) | (outside > 0.6)] = np.inf
+        cost[~np.isfinite(cost) | (outside > 1.0) | ~(missed < 1e-8)] = np.inf
         better = cost < best - 1e-9
         best[better], triangle[better] = cost[better], face[better]
         barycentric[better], height[better] = b[better], x[better, 2]

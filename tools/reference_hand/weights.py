@@ -13,9 +13,15 @@ from scipy.sparse.linalg import splu
 from .skeleton import Skeleton
 
 INFLUENCES = 4
-# What part of a bone's length (0 proximal joint, 1 distal joint or tip) carries its skin rigidly: dorsal, palmar
-PINNED = {"proximal": ((0.28, 0.78), (0.56, 0.66)), "middle": ((0.28, 0.72), (0.44, 0.58)), "distal": ((0.30, 9.0), (0.42, 9.0))}
-PINNED_METACARPAL = ((0.05, 0.84), (0.05, 0.64))
+# What part of a bone's length (0 proximal joint, 1 distal joint or tip) carries its skin rigidly, on the dorsal side, at the
+# sides (where the webs are) and on the palmar side (where flesh needs room to fold)
+PINNED = {
+    "metacarpal": ((0.05, 0.84), (0.05, 0.70), (0.05, 0.64)),
+    "proximal": ((0.28, 0.78), (0.64, 0.70), (0.56, 0.66)),
+    "middle": ((0.28, 0.72), (0.36, 0.64), (0.44, 0.58)),
+    "distal": ((0.30, 9.0), (0.36, 9.0), (0.42, 9.0)),
+}
+TUBE = {1: 0.013, 2: 0.0098, 3: 0.0098, 4: 0.0096, 5: 0.0086}  # a proximal phalanx carries no skin farther from it: that is web
 PINNED_THUMB = (0.34, 0.72)
 WRIST_BLEND = (-0.020, 0.020)  # forearm proximal of this, carpus distal of it (metres along x)
 THENAR_REACH = 0.020  # skin this near to metacarpal 1 moves with it
@@ -59,25 +65,27 @@ def _pins(points: np.ndarray, normals: np.ndarray, skeleton: Skeleton, bodies: l
         along = (points - near) @ axis / np.linalg.norm(far - near)
         mine = nearest == row
         if kind == "metacarpal":
-            (low_d, high_d), (low_p, high_p) = (PINNED_THUMB, PINNED_THUMB) if k == 1 else PINNED_METACARPAL
-            share = _palmar_share(normals, skeleton.flexion[k], axis)
-            low, high = low_d + share * (low_p - low_d), high_d + share * (high_p - high_d)
+            low, high = PINNED_THUMB if k == 1 else _range(PINNED[kind], normals, skeleton.flexion[k], axis)
             ring = mine & (along > low) & (along < high) & (distance[row] < (THENAR_REACH if k == 1 else 1.0))
             if k in (2, 3, 4, 5):
                 ring &= points[:, 0] > WRIST_BLEND[1]
         else:
-            share = _palmar_share(normals, skeleton.flexion[k], axis)
-            (low_d, high_d), (low_p, high_p) = PINNED[kind]
-            ring = mine & (along > low_d + share * (low_p - low_d)) & (along < high_d + share * (high_p - high_d))
+            low, high = _range(PINNED[kind], normals, skeleton.flexion[k], axis)
+            ring = mine & (along > low) & (along < high)
+            if kind == "proximal":
+                ring &= distance[row] < TUBE[k]
         body = name if name in bodies else "carpus"
         pinned[ring] = bodies.index(body)
     pinned[(pinned < 0) & (points[:, 0] < WRIST_BLEND[0])] = bodies.index("forearm")
     return pinned
 
 
-def _palmar_share(normals: np.ndarray, flexion: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """0 on the dorsal skin of a bone, 1 on its palmar skin."""
-    return np.clip(0.5 + 0.7 * (normals @ np.cross(flexion, axis)), 0.0, 1.0)
+def _range(pinned: tuple, normals: np.ndarray, flexion: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pinned part of the bone for every skin point, between the values for dorsal, side and palmar."""
+    palmar = normals @ np.cross(flexion, axis)
+    share = np.stack([np.maximum(0, -palmar), 1 - np.abs(palmar), np.maximum(0, palmar)])
+    low, high = np.array(pinned).T
+    return low @ share, high @ share
 
 
 def cotangent_laplacian(points: np.ndarray, faces: np.ndarray) -> tuple[coo_matrix, np.ndarray]:

@@ -1,0 +1,1 @@
+"""Facts that never change: terms and signs, tables, the hand as frozen records."""
