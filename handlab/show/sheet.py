@@ -9,7 +9,7 @@ from typing import Any
 
 from handlab.anatomy.records import Hand
 from handlab.show.colours import FAINT, INK, PAPER
-from handlab.show.lettering import write
+from handlab.show.lettering import fit, write
 from handlab.show.moments import Moment, Story, story
 from handlab.show.outputs import checked, progress
 from handlab.show.tiles import Layout, Tiles, layout
@@ -81,7 +81,8 @@ def sheet(
     tiles = Tiles(story(hand), each, quality="still", framing=moments.values())
     try:
         for row, name in enumerate(progress(moments, "pictures", len(moments))):
-            write(draw, (0.5 * size, head + (row + 0.5) * height), name, 1.3 * size, colour=INK, bold=True, anchor="lm")
+            letters = fit(draw, name, 1.3 * size, margin - size, bold=True)
+            write(draw, (0.5 * size, head + (row + 0.5) * height), name, letters, colour=INK, bold=True, anchor="lm")
             tiles.scene.pose(moments[name])
             for k, (skin_, view_) in enumerate(columns):
                 tiles.scene.set(skin=skin_, view=tiles.cameras[view_])

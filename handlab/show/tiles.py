@@ -97,7 +97,7 @@ class Tiles:
 def caption(draw: Any, plan: Layout, title: str) -> None:
     """Every tile says what it shows, once per row and column."""
     width, height = plan.tile
-    size = max(11, min(width, height) * 0.042)
+    size = max(13, min(width, height) * 0.048)
     for column, view in enumerate(plan.views):
         for row, skin in enumerate(plan.skins):
             words = (

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import active_force_length
@@ -37,6 +37,25 @@ class Reached:
     def worst(self) -> float:
         """Largest error, radians."""
         return max(abs(value) for value in self.off.values())
+
+
+def turn_per_contraction(hand: Hand, angle: ArrayLike, contraction: Array, free: NDArray[np.bool_]) -> Array:
+    """How far each moving coordinate settles elsewhere when a muscle contracts more: (moving, muscle), radians.
+
+    ``free`` (moving,): coordinates that are not held.
+    """
+    m = mechanics(hand)
+    y = np.asarray(angle, dtype=np.float64)[m.moving]
+    low, high = stops(hand, y)
+    loose = free & ~low & ~high
+    pull = (m.arm * (active_force_length(muscle_ratio(hand, y)) * m.max_force)[:, None]).T
+    turn: Array = np.zeros_like(pull)
+    stiffness = tangent(hand, angle, contraction)[np.ix_(loose, loose)]
+    turn[loose] = -np.linalg.solve(stiffness, pull[loose])
+    # what leans on a stop moves only once it is pulled off; let it count by its own stiffness, or it would never leave
+    leaning = free & ~loose
+    turn[leaning] = pull[leaning] / np.maximum(m.stiffness[leaning], 0.02)[:, None]
+    return turn
 
 
 def reach(
@@ -81,15 +100,7 @@ def reach(
     step = LARGEST_STEP
     for _ in range(rounds):
         y = state.angle[m.moving]
-        low, high = stops(hand, y)
-        loose = free & ~low & ~high
-        pull = (m.arm * (active_force_length(muscle_ratio(hand, y)) * m.max_force)[:, None]).T
-        turn = np.zeros_like(pull)
-        stiffness = tangent(hand, state.angle, contraction)[np.ix_(loose, loose)]
-        turn[loose] = -np.linalg.solve(stiffness, pull[loose])
-        # what leans on a stop moves only once it is pulled off; let it count by its own stiffness, or it would never leave
-        leaning = free & ~loose
-        turn[leaning] = pull[leaning] / np.maximum(m.stiffness[leaning], 0.02)[:, None]
+        turn = turn_per_contraction(hand, state.angle, contraction, free)
         matrix = np.vstack([(scale[:, None] * turn)[free][:, may], effort * np.eye(int(may.sum()))])
         goal = np.concatenate([(scale * (aim - y))[free], effort * (wanted - contraction)[may]])
         bounds = np.maximum(-step, -contraction[may]) - 1e-12, np.minimum(step, 1.0 - contraction[may]) + 1e-12

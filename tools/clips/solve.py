@@ -11,11 +11,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, lsq_linear
 from tqdm import tqdm
 
 import handlab as hl
 from handlab.simulation.balance import contraction_for, settled
+from handlab.simulation.reach import reach, turn_per_contraction
 from handlab.simulation.skeleton import mechanics
 from handlab.simulation.skin import blend
 from handlab.studies import measures
@@ -26,6 +27,8 @@ FOLDER = Path(__file__).resolve().parents[2] / "assets" / "clips"
 PULP_GAP = 0.0010  # aimed at where pulps meet; -1 to 4 mm is accepted
 SLACK = 0.0011  # flesh may enter flesh this much
 ROUNDED = 4  # decimals of a contraction
+EFFORT = 0.15  # a muscle at full contraction counts like this much of what is wrong
+ROUNDS = 30
 
 
 class Solver:
@@ -40,7 +43,7 @@ class Solver:
     def angles(self, y: np.ndarray) -> np.ndarray:
         return self.hand.coupling @ y + self.hand.coupling_offset
 
-    def residual(self, y: np.ndarray, posture: Posture) -> np.ndarray:
+    def wrong(self, y: np.ndarray, posture: Posture) -> np.ndarray:
         """What is wrong with a posture, each entry about 1 when it matters."""
         angle = self.angles(y)
         degrees = dict(zip(self.names, np.degrees(y), strict=True))
@@ -48,7 +51,7 @@ class Solver:
         r: list[float] = []
         for name, value in degrees.items():
             low, high = posture.window.get(name, (-180, 180))
-            r.append((max(0.0, low + 1.5 - value) + max(0.0, value - high + 1.5)) / 1.0)
+            r.append((max(0.0, low + 0.8 - value) + max(0.0, value - high + 0.8)) / 0.5)
             if name in posture.window:
                 wish, give = sum(posture.window[name]) / 2, 90.0
             else:
@@ -59,16 +62,19 @@ class Solver:
             r.append((measures.pulp_gap(self.hand, skin, 1, k) - PULP_GAP) / 0.0007)
             r.append(max(0.0, np.degrees(measures.facing(self.hand, skin, 1, k)) - 28.0) / 4.0)
         for k, bodies in posture.rest_on.items():
-            r += [(measures.pulp_to_bodies(self.hand, skin, k, (body,)) - 0.0005) / 0.0015 for body in bodies]
+            r += [max(0.0, measures.pulp_to_bodies(self.hand, skin, k, (body,)) - 0.002) / 0.0015 for body in bodies]
         for k in posture.near_palm:
             distance = measures.pulp_to_palm(self.hand, skin, k)
             r.append(max(0.0, distance - 0.006) / 0.0010)
         depth = measures.digit_depths(self.hand, skin)
         r += list(np.maximum(0.0, depth - SLACK).ravel() / 0.0003)
-        balance = contraction_for(self.hand, angle)
-        drift = np.degrees(balance.unbalanced / self.m.stiffness)  # how far the joint would sink
-        r += list(drift / 6.0)
         return np.array(r)
+
+    def residual(self, y: np.ndarray, posture: Posture) -> np.ndarray:
+        """What is wrong with a posture, and how far its joints would sink under the best contractions."""
+        balance = contraction_for(self.hand, self.angles(y))
+        drift = np.degrees(balance.unbalanced / self.m.stiffness)  # how far the joint would sink
+        return np.concatenate([self.wrong(y, posture), drift / 6.0])
 
     def posture(self, posture: Posture) -> tuple[np.ndarray, np.ndarray]:
         """Moving coordinates and contractions."""
@@ -85,19 +91,36 @@ class Solver:
             start = np.clip(start, low + 1e-3, high - 1e-3)
             tries.append(least_squares(self.residual, start, bounds=(low, high), args=(posture,), diff_step=1e-3, max_nfev=40))
         found = min(tries, key=lambda one: one.cost)
-        aim = found.x
-        best: tuple[float, np.ndarray, np.ndarray] | None = None
-        target = aim.copy()
-        for _ in range(8):  # where it sinks when simulated, aim beyond
-            contraction = np.round(contraction_for(self.hand, self.angles(target)).contraction, ROUNDED)
-            rest = settled(self.hand, contraction, seconds=4.0)
-            y = rest.angle[self.m.moving]
-            cost = float((self.residual(y, posture)[: -len(y)] ** 2).sum())
-            if best is None or cost < best[0]:
-                best = cost, y, contraction
-            target = np.clip(target + 0.7 * (aim - y), self.limits[:, 0] + 1e-3, self.limits[:, 1] - 1e-3)
-        assert best is not None
-        return best[1], best[2]
+        aim = dict(zip(self.names, found.x, strict=True))
+        return self.refined(np.array(reach(self.hand, aim).contraction), posture)
+
+    def refined(self, contraction: np.ndarray, posture: Posture) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss-Newton on what is wrong with the posture that the contractions really settle in."""
+        free = np.ones(len(self.names), dtype=bool)
+
+        def at(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+            y = settled(self.hand, c, seconds=4.0).angle[self.m.moving]
+            r = self.wrong(y, posture)
+            return y, r, float(r @ r + EFFORT**2 * c @ c)
+
+        contraction = np.round(np.clip(contraction, 0, 1), ROUNDED)
+        y, r, cost = at(contraction)
+        step = 0.2
+        for _ in range(ROUNDS):
+            slope = np.array([(self.wrong(y + 2e-3 * e, posture) - r) / 2e-3 for e in np.eye(len(y))]).T
+            turn = turn_per_contraction(self.hand, self.angles(y), contraction, free)
+            matrix = np.vstack([slope @ turn, EFFORT * np.eye(len(contraction))])
+            goal = np.concatenate([-r, -EFFORT * contraction])
+            bounds = np.maximum(-step, -contraction) - 1e-12, np.minimum(step, 1 - contraction) + 1e-12
+            tried = np.round(np.clip(contraction + lsq_linear(matrix, goal, bounds=bounds).x, 0, 1), ROUNDED)
+            y_tried, r_tried, cost_tried = at(tried)
+            if cost_tried < cost:
+                contraction, y, r, cost, step = tried, y_tried, r_tried, cost_tried, min(0.3, 1.5 * step)
+            else:
+                step *= 0.4
+                if step < 1e-3:
+                    break
+        return y, contraction
 
 
 def write_clip(name: str, solved: dict[str, np.ndarray], hand: hl.Hand) -> None:

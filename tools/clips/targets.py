@@ -11,7 +11,7 @@ from typing import Any
 
 FINGERS = (2, 3, 4, 5)
 STRAIGHT = {"mcp": (-8, 12), "pip": (0, 10), "dip": (0, 10)}
-CLOSED = {"mcp": (77, 89), "pip": (91, 104), "dip": (47, 70)}
+CLOSED = {"mcp": (75.8, 83), "pip": (91, 104), "dip": (46.4, 60)}
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def wrist(flexion: Any, deviation: Any = (-6, 6)) -> dict[str, Any]:
 
 
 ACROSS = {1: ("middle_phalanx_2", "middle_phalanx_3")}  # the thumb lies over the fist
-THUMB_STARTS = (thumb(20, 40, 30, 30), thumb(10, 44, 20, 40), thumb(28, 44, 10, 20), thumb(25, 36, 45, 55))
+THUMB_STARTS = ({}, thumb(26, 28, 48, 50), thumb(20, 40, 30, 30), thumb(10, 44, 20, 40), thumb(28, 44, 10, 20), thumb(25, 36, 45, 55))
 THUMB_OUT = thumb((-16, -4), (12, 34), (-4, 14), (-6, 14))
 
 POSTURES: dict[str, Posture] = {
@@ -73,7 +73,7 @@ POSTURES: dict[str, Posture] = {
     "wave-ulnar": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (-22, -13))}),
 } | {
     f"opposition-{name}": Posture(wrist((-30, -3)), {**thumb(24, 40, 18, 25), **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,)),
-                                                       **fingers({"mcp": 15, "pip": 25, "dip": 12}, tuple(m for m in FINGERS if m != k))}, meet=(k,), starts=({}, fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)), thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,))))
+                                                       **fingers({"mcp": 22, "pip": 30, "dip": 14}, tuple(m for m in FINGERS if m != k))}, meet=(k,), starts=({}, fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)), thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,))))
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))
 }  # fmt: skip
 

@@ -3,7 +3,7 @@ import sys
 
 import numpy as np
 
-from handlab.simulation import compiled
+from handlab.physics import compiled
 
 
 def test_where_machine_code_cannot_be_kept_a_kernel_is_compiled_anyway(monkeypatch):
