@@ -18,12 +18,14 @@ from handlab.anatomy.records import Array
 
 MAGIC, VERSION, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-COMPONENTS = {5121: np.dtype("<u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
+COMPONENTS: dict[int, np.dtype[Any]] = {5121: np.dtype("<u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 INDICES = "indices"
 
 
-def write_glb(path: Path, meshes: Mapping[str, Mapping[str, Array]], joints: tuple[str, ...], bodies: Mapping[str, str], notice: str) -> None:
+def write_glb(
+    path: Path, meshes: Mapping[str, Mapping[str, Array]], joints: tuple[str, ...], bodies: Mapping[str, str], notice: str
+) -> None:
     """Write named meshes: per mesh ``indices`` (M, 3) and attributes such as ``POSITION`` (N, 3).
 
     ``joints`` are the rigid bodies that skin weights (``JOINTS_0``) number; ``bodies`` says which body carries a mesh.
@@ -59,7 +61,9 @@ def write_glb(path: Path, meshes: Mapping[str, Mapping[str, Array]], joints: tup
             for key, values in arrays.items()
             if key != INDICES
         }
-        document["meshes"].append({"name": name, "primitives": [{"attributes": attributes, "indices": accessor(indices, ELEMENT_ARRAY_BUFFER)}]})
+        document["meshes"].append(
+            {"name": name, "primitives": [{"attributes": attributes, "indices": accessor(indices, ELEMENT_ARRAY_BUFFER)}]}
+        )
         node: dict[str, Any] = {"name": name, "mesh": len(document["meshes"]) - 1}
         document["nodes"].append(node)
         number = len(document["nodes"]) - 1
@@ -76,7 +80,9 @@ def write_glb(path: Path, meshes: Mapping[str, Mapping[str, Array]], joints: tup
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     header = struct.pack("<III", MAGIC, VERSION, 12 + 8 + len(text) + 8 + len(block))
-    path.write_bytes(header + struct.pack("<II", len(text), JSON_CHUNK) + text + struct.pack("<II", len(block), BINARY_CHUNK) + bytes(block))
+    path.write_bytes(
+        header + struct.pack("<II", len(text), JSON_CHUNK) + text + struct.pack("<II", len(block), BINARY_CHUNK) + bytes(block)
+    )
 
 
 def read_glb(path: Path) -> dict[str, dict[str, Any]]:

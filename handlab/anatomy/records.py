@@ -9,62 +9,20 @@ straight); joint axes and centres are written in that posture. Meshes are stored
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from handlab.anatomy.terms import find, match
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-
-
-def frozen(values: Any, dtype: Any = np.float64) -> Any:
-    """A read-only C-ordered copy of ``values``."""
-    array = np.array(values, dtype=dtype, order="C")
-    array.setflags(write=False)
-    return array
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """A closed triangle mesh: ``points`` (N, 3) metres, ``faces`` (M, 3) counter-clockwise from outside."""
-
-    points: Array
-    faces: Index
-
-    @property
-    def volume(self) -> float:
-        """Enclosed volume in cubic metres (divergence theorem, exact for the polyhedron)."""
-        a, b, c = (self.points[self.faces[:, i]] for i in range(3))
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
-
-
-@dataclass(frozen=True)
-class Skin(Mesh):
-    """The even skin that physics uses, with blend weights: ``weights`` (N, body), rows add to 1."""
-
-    weights: Array
-
-
-@dataclass(frozen=True)
-class FineSkin(Mesh):
-    """The detailed skin for the eye, bound once to the even skin.
-
-    ``texture`` (M, 3, 2): texture coordinates of every triangle corner, in [0, 1], without overlaps.
-    ``triangle`` (N,), ``barycentric`` (N, 3), ``height`` (N,): where each point sits on the even skin,
-    point = sum_i barycentric_i (p_i + height n_i), p and n the corners and vertex normals of that triangle.
-    """
-
-    texture: Array
-    triangle: Index
-    barycentric: Array
-    height: Array
+from handlab.anatomy.meshes import Array as Array
+from handlab.anatomy.meshes import FineSkin as FineSkin
+from handlab.anatomy.meshes import Index as Index
+from handlab.anatomy.meshes import Mesh as Mesh
+from handlab.anatomy.meshes import Skin as Skin
+from handlab.anatomy.meshes import frozen as frozen
+from handlab.anatomy.named import Named as Named
 
 
 @dataclass(frozen=True)
@@ -202,34 +160,6 @@ def muscle_table(muscle: Muscle) -> str:
     return "\n".join(lines)
 
 
-class Named(Mapping[str, Any]):
-    """Read-only mapping that keeps order, accepts aliases, and answers an unknown name with the nearest three."""
-
-    def __init__(self, kind: str, items: Mapping[str, Any], aliases: Mapping[str, str] | None = None) -> None:
-        self._kind = kind
-        self._items = MappingProxyType(dict(items))
-        self._aliases = MappingProxyType(dict(aliases or {}))
-
-    def __getitem__(self, name: str) -> Any:
-        return self._items[find(name, self._items, kind=self._kind, aliases=self._aliases)]
-
-    def __contains__(self, name: object) -> bool:
-        return match(name, self._items, self._aliases) is not None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def with_items(self, items: Mapping[str, Any]) -> Named:
-        """The same kind and aliases with other items."""
-        return Named(self._kind, items, self._aliases)
-
-    def __repr__(self) -> str:
-        return f"<{len(self)} {self._kind}s: {', '.join(self._items)}>"
-
-
 @dataclass(frozen=True, eq=False)
 class Hand:
     """A hand: meshes, joints, muscles and the arrays that mechanics needs. Never changes; ``with_...`` returns another.
@@ -324,10 +254,10 @@ class Hand:
         moving = {name: k for k, name in enumerate(self.moving_names)}
         matrix = np.zeros((len(self.dof_names), len(moving)))
         for row, dof in enumerate(self.dofs.values()):
-            source, ratio = (dof.name, 1.0) if dof.driver is None else (dof.driver, dof.ratio)
-            while self.dofs[source].driver is not None:  # a follower may follow a follower
-                ratio, source = ratio * self.dofs[source].ratio, self.dofs[source].driver
-            matrix[row, moving[source]] = ratio
+            ratio = 1.0
+            while dof.driver is not None:  # a follower may follow a follower
+                ratio, dof = ratio * dof.ratio, self.dofs[dof.driver]
+            matrix[row, moving[dof.name]] = ratio
         return frozen(matrix)
 
     @cached_property

@@ -143,7 +143,12 @@ def _digit_points(hand: Hand) -> dict[int, Index]:
     """Skin of each digit beyond its first phalanx's middle: what can touch other skin."""
     sure = hand.skin.weights.max(axis=1) > 0.6
     main = np.array(hand.body_names)[hand.skin.weights.argmax(axis=1)]
-    return {k: np.flatnonzero(sure & np.isin(main, [f"{kind}_phalanx_{k}" for kind in (("middle", "distal") if k > 1 else ("proximal", "distal"))])) for k in range(1, 6)}
+    return {
+        k: np.flatnonzero(
+            sure & np.isin(main, [f"{kind}_phalanx_{k}" for kind in (("middle", "distal") if k > 1 else ("proximal", "distal"))])
+        )
+        for k in range(1, 6)
+    }
 
 
 @per_hand

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from handlab.anatomy import data, tables
-from handlab.anatomy.tables import TableError
+from handlab.anatomy import data, table_rules, tables
+from handlab.anatomy.table_rules import TableError
 from handlab.anatomy.terms import BODIES, BONES, SIGNS
 
 DATA = Path(__file__).parents[1] / "data"
@@ -96,14 +96,14 @@ def test_a_figure_without_source_is_found_wherever_it_stands():
     for path, broken in without_its_source(content):
         assert unsourced(broken, set(known)), path
         with pytest.raises(TableError, match="has no source"):
-            tables.validate_joints(broken, known)
+            table_rules.validate_joints(broken, known)
         tried += 1
     assert tried > 100
     small = {**table("muscles.json"), "muscles": table("muscles.json")["muscles"][:2]}
     for path, broken in without_its_source(small):
         assert unsourced(broken, set(known)), path
         with pytest.raises(TableError, match="has no source"):
-            tables.validate_muscles(broken, known, tables.dof_names())
+            table_rules.validate_muscles(broken, known, tables.dof_names())
 
 
 def test_every_source_says_what_it_is_and_is_used():
@@ -495,9 +495,9 @@ def broken_muscles(change):
     ],
 )
 def test_a_broken_muscle_table_is_refused_with_its_place(change, complaint):
-    tables.validate_muscles(broken_muscles(lambda rows: None), tables.sources(), tables.dof_names())
+    table_rules.validate_muscles(broken_muscles(lambda rows: None), tables.sources(), tables.dof_names())
     with pytest.raises(TableError, match=complaint):
-        tables.validate_muscles(broken_muscles(change), tables.sources(), tables.dof_names())
+        table_rules.validate_muscles(broken_muscles(change), tables.sources(), tables.dof_names())
 
 
 def rows_of(content):
@@ -527,10 +527,10 @@ def rows_of(content):
 )
 def test_a_broken_joint_table_is_refused_with_its_place(change, complaint):
     content = copy.deepcopy(table("joints.json"))
-    tables.validate_joints(content, tables.sources())
+    table_rules.validate_joints(content, tables.sources())
     change(content)
     with pytest.raises(TableError, match=complaint):
-        tables.validate_joints(content, tables.sources())
+        table_rules.validate_joints(content, tables.sources())
 
 
 def test_an_added_row_for_an_unknown_muscle_or_on_top_of_an_existing_row_is_refused():
@@ -540,4 +540,4 @@ def test_an_added_row_for_an_unknown_muscle_or_on_top_of_an_existing_row_is_refu
         tables.merge_added_rows(rows, [{**row, "muscle": "adductor_policis"}])
     merged = tables.merge_added_rows(rows, [{**row, "dof": "cmc1.flexion_opposition"}])
     with pytest.raises(TableError, match="stands there twice"):
-        tables.validate_muscles({**table("muscles.json"), "muscles": merged}, tables.sources(), tables.dof_names())
+        table_rules.validate_muscles({**table("muscles.json"), "muscles": merged}, tables.sources(), tables.dof_names())

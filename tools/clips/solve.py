@@ -162,14 +162,23 @@ def report(solver: Solver, y: np.ndarray, posture: Posture) -> str:
     """What of the targets is missed."""
     hand, angle = solver.hand, solver.angles(y)
     skin = blend(hand, angle)
-    missed = [f"{n} {np.degrees(v):.1f} not in {posture.window[n]}" for n, v in zip(solver.names, y, strict=True)
-              if n in posture.window and not posture.window[n][0] <= np.degrees(v) <= posture.window[n][1]]  # fmt: skip
-    gaps = [f"gap {k} {measures.pulp_gap(hand, skin, 1, k) * 1000:.1f} mm facing {np.degrees(measures.facing(hand, skin, 1, k)):.0f}" for k in posture.meet]
-    gaps += [f"rest {b} {measures.pulp_to_bodies(hand, skin, k, (b,)) * 1000:.1f} mm" for k, bodies in posture.rest_on.items() for b in bodies]
+    missed = [
+        f"{n} {np.degrees(v):.1f} not in {posture.window[n]}"
+        for n, v in zip(solver.names, y, strict=True)
+        if n in posture.window and not posture.window[n][0] <= np.degrees(v) <= posture.window[n][1]
+    ]
+    gaps = [
+        f"gap {k} {measures.pulp_gap(hand, skin, 1, k) * 1000:.1f} mm facing {np.degrees(measures.facing(hand, skin, 1, k)):.0f}"
+        for k in posture.meet
+    ]
+    gaps += [
+        f"rest {b} {measures.pulp_to_bodies(hand, skin, k, (b,)) * 1000:.1f} mm" for k, bodies in posture.rest_on.items() for b in bodies
+    ]
     gaps += [f"palm {k} {measures.pulp_to_palm(hand, skin, k) * 1000:.1f}" for k in posture.near_palm]
     flesh = measures.flesh_depth(hand, skin)
     bone = {pair: round(depth * 1000, 1) for pair, depth in measures.bone_depths(hand, angle).items()}
-    return f"missed {missed} | {gaps} | flesh {flesh.max() * 1000:.1f} mm at {hand.body_names[hand.skin.weights[flesh.argmax()].argmax()]} | bones {bone}"
+    where = hand.body_names[hand.skin.weights[flesh.argmax()].argmax()]
+    return f"missed {missed} | {gaps} | flesh {flesh.max() * 1000:.1f} mm at {where} | bones {bone}"
 
 
 if __name__ == "__main__":

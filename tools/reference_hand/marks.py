@@ -9,7 +9,9 @@ from .skeleton import Skeleton
 FINGER = {1: "thumb", 2: "index", 3: "middle", 4: "ring", 5: "little"}
 
 
-def feature_points(points: np.ndarray, normals: np.ndarray, skeleton: Skeleton, pinned_web: dict[tuple[int, int], np.ndarray]) -> dict[str, dict[str, int]]:
+def feature_points(
+    points: np.ndarray, normals: np.ndarray, skeleton: Skeleton, pinned_web: dict[tuple[int, int], np.ndarray]
+) -> dict[str, dict[str, int]]:
     """Names in the order of the paper's table; on the outline both views share one point."""
     centre = skeleton.centres
     marks: dict[str, dict[str, int]] = {}
@@ -21,12 +23,15 @@ def feature_points(points: np.ndarray, normals: np.ndarray, skeleton: Skeleton, 
         marks[f"tip_{FINGER[k]}"] = {"palmar": tip, "dorsal": tip}
     for joint in ("dip", "ip", "pip", "mcp"):
         for k in range(1, 6):
-            if f"{joint}{k}" not in centre or (joint == "ip") != (k == 1) and joint in ("ip", "dip", "pip"):
+            if f"{joint}{k}" not in centre or ((joint == "ip") != (k == 1) and joint != "mcp"):
                 continue
             at = centre[f"{joint}{k}"]
             along = _unit(centre[f"tip{k}"] - at)
             palmar = _unit(np.cross(skeleton.flexion[k], along))
-            marks[f"{joint}_{FINGER[k]}"] = {"palmar": _through(points, normals, at, palmar), "dorsal": _through(points, normals, at, -palmar)}
+            marks[f"{joint}_{FINGER[k]}"] = {
+                "palmar": _through(points, normals, at, palmar),
+                "dorsal": _through(points, normals, at, -palmar),
+            }
     for (k, m), web in pinned_web.items():
         index = int(np.argmin(np.linalg.norm(points - web, axis=1)))
         marks[f"web_{FINGER[k]}_{FINGER[m]}"] = {"palmar": index, "dorsal": index}

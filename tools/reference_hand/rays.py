@@ -32,7 +32,10 @@ LENGTHEN = {1: 0.009, 5: 0.005}  # assumption: these two digits of the skin are 
 DORSAL_SHIFT = 0.07  # assumption: phalanges lie this fraction of the thickness dorsal of the middle (more pulp than dorsal skin)
 CARPUS_WIDTH = np.array([0.96, 0.94, 0.90])  # the carpus narrowed along x, y, z to lie inside this wrist
 CARPUS_SHIFT = np.array([0.0, -0.002, 0.0])  # and laid 2 mm dorsally, where this skin has room
-CARPAL_TURN = 0.45  # assumption: the carpus takes this part of the turn that the knuckles ask for; all of it lifts the thumb out of the skin
+CARPAL_TURN = (
+    0.45  # assumption: the carpus takes this part of the turn that the knuckles ask for; all of it lifts the thumb out of the skin
+)
+PALMAR = np.array([0.0, 1.0, 0.0])
 FINGERS = (2, 3, 4, 5)
 
 
@@ -181,7 +184,7 @@ def _proximal_end(points: np.ndarray) -> np.ndarray:
 
 
 def _dorsal_skin(surface: pv.PolyData, place: np.ndarray) -> np.ndarray:
-    hits, _ = surface.ray_trace(place + [0, 0.004, 0], place - [0, 0.08, 0])
+    hits, _ = surface.ray_trace(place + 0.004 * PALMAR, place - 0.08 * PALMAR)
     return hits[0] if len(hits) else place
 
 

@@ -7,6 +7,7 @@ In the zero posture the middle metacarpal lies along x too.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import fast_simplification
 import igl
@@ -72,13 +73,22 @@ def place_bones(rays: Rays, source: BoneSet, surface: pv.PolyData) -> Skeleton:
     for k in FINGERS:
         points, faces = source.bones[f"metacarpal_{k}"]
         foot = points[np.argsort(points[:, 0])[:5]].mean(axis=0)
-        own = _between(points, (foot, source.anchors[f"mcp{k}"], source.axes[f"mcp{k}"]), (carpus(foot), centres[f"mcp{k}"], flexion[k]), scale * SLENDER)
+        own = _between(
+            points,
+            (foot, source.anchors[f"mcp{k}"], source.axes[f"mcp{k}"]),
+            (carpus(foot), centres[f"mcp{k}"], flexion[k]),
+            scale * SLENDER,
+        )
         along = (points - foot) @ _unit(source.anchors[f"mcp{k}"] - foot) / np.linalg.norm(source.anchors[f"mcp{k}"] - foot)
         share = _smooth((along - 0.15) / 0.5)[:, None]  # the base keeps its place in the carpus, the head sits in its joint
         bones[f"metacarpal_{k}"] = ((1 - share) * carpus(points) + share * own, faces)
     chains = {1: [("metacarpal_1", "cmc1", "mcp1"), ("proximal_phalanx_1", "mcp1", "ip1"), ("distal_phalanx_1", "ip1", None)]}
     for k in FINGERS:
-        chains[k] = [(f"proximal_phalanx_{k}", f"mcp{k}", f"pip{k}"), (f"middle_phalanx_{k}", f"pip{k}", f"dip{k}"), (f"distal_phalanx_{k}", f"dip{k}", None)]
+        chains[k] = [
+            (f"proximal_phalanx_{k}", f"mcp{k}", f"pip{k}"),
+            (f"middle_phalanx_{k}", f"pip{k}", f"dip{k}"),
+            (f"distal_phalanx_{k}", f"dip{k}", None),
+        ]
     for k, chain in chains.items():
         for name, near, far in chain:
             points, faces = source.bones[name]
@@ -90,11 +100,20 @@ def place_bones(rays: Rays, source: BoneSet, surface: pv.PolyData) -> Skeleton:
             else:
                 there, goal = source.anchors[far], centres[far]
             length = np.linalg.norm(goal - centres[near]) / np.linalg.norm(there - here)
-            moved = _between(points, (here, there, source.axes[near if k > 1 else "ip1"]), (centres[near], goal, flexion[k]), min(length, scale) * SLENDER)
+            moved = _between(
+                points,
+                (here, there, source.axes[near if k > 1 else "ip1"]),
+                (centres[near], goal, flexion[k]),
+                min(length, scale) * SLENDER,
+            )
             bones[name] = (moved, faces)
     skeleton = Skeleton({}, centres, flexion, _thumb_axes(source, linear), linear, turn)
-    chain_pairs = [(a, b) for chain in chains.values() for (a, _, _), (b, _, _) in zip(chain, chain[1:], strict=False)]
-    pairs = chain_pairs + [(f"metacarpal_{k}", f"proximal_phalanx_{k}") for k in FINGERS] + [("trapezium", "metacarpal_1"), ("capitate", "metacarpal_3")]
+    chain_pairs = [(a, b) for chain in chains.values() for (a, _, _), (b, _, _) in pairwise(chain)]
+    pairs = (
+        chain_pairs
+        + [(f"metacarpal_{k}", f"proximal_phalanx_{k}") for k in FINGERS]
+        + [("trapezium", "metacarpal_1"), ("capitate", "metacarpal_3")]
+    )
     for name in bones:
         skeleton.bones[name] = _remesh(*bones[name], TRIANGLES.get(name, 520), rough=name in ("radius", "ulna"))
     for _ in range(3):

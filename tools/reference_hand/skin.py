@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pyacvd
@@ -46,7 +47,7 @@ def fine_skin(points: np.ndarray, quads: np.ndarray, texture: np.ndarray, textur
 
 def packed_texture(fine: FineMesh) -> np.ndarray:
     """The charts of the texture laid side by side in the unit square, each scaled to its area on the skin."""
-    corners, faces = np.unique(np.round(fine.texture.reshape(-1, 2), 6), axis=0, return_inverse=True)
+    faces = np.unique(np.round(fine.texture.reshape(-1, 2), 6), axis=0, return_inverse=True)[1]
     label = _parts(faces.reshape(-1, 3))
     area = np.linalg.norm(np.cross(*(fine.points[fine.faces[:, i]] - fine.points[fine.faces[:, 0]] for i in (1, 2))), axis=1)
     packed = np.zeros_like(fine.texture)
@@ -59,7 +60,7 @@ def packed_texture(fine: FineMesh) -> np.ndarray:
         width, height = uv.max(axis=(0, 1))
         if number == 1:  # the hand fills the first row, the small charts stand above it
             x, y, row = 0.0, row + TEXTURE_MARGIN, 0.0
-        packed[label == chart] = uv + [x, y]
+        packed[label == chart] = uv + np.array([x, y])
         x, row = x + width + TEXTURE_MARGIN, max(row, height)
     size = packed.max()
     return TEXTURE_MARGIN + packed / size * (1 - 2 * TEXTURE_MARGIN)
@@ -189,7 +190,9 @@ def _loop_subdivide(points: np.ndarray, faces: np.ndarray, uv: np.ndarray) -> tu
     moved[rim] = 0.75 * points[rim] + 0.125 * along[rim]
     e = number + n
     a, b, c = faces.T
-    new = np.concatenate([np.stack(t, axis=1) for t in ((a, e[:, 0], e[:, 2]), (e[:, 0], b, e[:, 1]), (e[:, 2], e[:, 1], c), (e[:, 0], e[:, 1], e[:, 2]))])
+    new = np.concatenate(
+        [np.stack(t, axis=1) for t in ((a, e[:, 0], e[:, 2]), (e[:, 0], b, e[:, 1]), (e[:, 2], e[:, 1], c), (e[:, 0], e[:, 1], e[:, 2]))]
+    )
     half = (uv + np.roll(uv, -1, axis=1)) / 2
     ua, ub, uc = uv[:, 0], uv[:, 1], uv[:, 2]
     h0, h1, h2 = half[:, 0], half[:, 1], half[:, 2]
@@ -208,7 +211,7 @@ def _with_cap(points: np.ndarray, faces: np.ndarray, uv: np.ndarray, rim: np.nda
         total += len(rim)
     news.append(middle[None])
     cap = []
-    for outer, inner in zip(rings, rings[1:], strict=False):
+    for outer, inner in pairwise(rings):
         o2, i2 = np.roll(outer, -1), np.roll(inner, -1)
         cap += [np.stack([o2, outer, inner], axis=1), np.stack([o2, inner, i2], axis=1)]
     last = rings[-1]

@@ -24,15 +24,36 @@ WOMAN = {
     "macrodetails/asian-female-young": 1 / 3,
     "macrodetails/universal-female-young-averagemuscle-averageweight": 1.0,
 }
-BONE_MESHES = {
-    "ulna_r": "ulna", "radius_r": "radius", "lunate_r": "lunate", "scaphoid_r": "scaphoid", "pisiform_r": "pisiform",
-    "triquetrum_r": "triquetrum", "capitate_r": "capitate", "trapezium_r": "trapezium", "trapezoid_r": "trapezoid", "hamate_r": "hamate",
-    "thumbprox_r": "proximal_phalanx_1", "thumbdist_r": "distal_phalanx_1",
-} | {f"{k}mc_r": f"metacarpal_{k}" for k in range(1, 6)} | {
-    f"{k}{short}ph_r": f"{long}_phalanx_{k}" for k in range(2, 6) for short, long in (("prox", "proximal"), ("mid", "middle"), ("dist", "distal"))
-}  # fmt: skip
-BONE_JOINTS = {"deviation_r": "wrist.deviation", "flexion_r": "wrist", "cmc_flexion_r": "cmc1", "cmc_abduction_r": "cmc1.abduction", "mp_flexion_r": "mcp1",
-               "ip_flexion_r": "ip1"} | {f"{src}{k}_flexion_r": f"{dst}{k}" for k in range(2, 6) for src, dst in (("mcp", "mcp"), ("pm", "pip"), ("md", "dip"))}  # fmt: skip
+BONE_MESHES = (
+    {
+        "ulna_r": "ulna",
+        "radius_r": "radius",
+        "lunate_r": "lunate",
+        "scaphoid_r": "scaphoid",
+        "pisiform_r": "pisiform",
+        "triquetrum_r": "triquetrum",
+        "capitate_r": "capitate",
+        "trapezium_r": "trapezium",
+        "trapezoid_r": "trapezoid",
+        "hamate_r": "hamate",
+        "thumbprox_r": "proximal_phalanx_1",
+        "thumbdist_r": "distal_phalanx_1",
+    }
+    | {f"{k}mc_r": f"metacarpal_{k}" for k in range(1, 6)}
+    | {
+        f"{k}{short}ph_r": f"{long}_phalanx_{k}"
+        for k in range(2, 6)
+        for short, long in (("prox", "proximal"), ("mid", "middle"), ("dist", "distal"))
+    }
+)
+BONE_JOINTS = {
+    "deviation_r": "wrist.deviation",
+    "flexion_r": "wrist",
+    "cmc_flexion_r": "cmc1",
+    "cmc_abduction_r": "cmc1.abduction",
+    "mp_flexion_r": "mcp1",
+    "ip_flexion_r": "ip1",
+} | {f"{src}{k}_flexion_r": f"{dst}{k}" for k in range(2, 6) for src, dst in (("mcp", "mcp"), ("pm", "pip"), ("md", "dip"))}
 
 
 @dataclass
