@@ -8,19 +8,21 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 import handlab
+from handlab.show.app.place import PORT, checked_port
 
 if TYPE_CHECKING:
     from handlab.anatomy.records import Hand
+    from handlab.show.session import Session
     from handlab.simulation.clip import Clip
 
 USAGE_ERROR = 2
 TROUBLE = 1
 INTERRUPTED = 130
-RUN_SIZE = (1280, 720)
-RUN_FPS = 30.0
+PICTURES_SIZE = (1280, 720)
+PICTURES_FPS = 30.0
 
 Many = Annotated[list[str], Parameter(consume_multiple=True, negative="")]
 Out = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -39,8 +41,43 @@ app = App(
 )
 
 
+@app.default
 @app.command
-def run(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> None:
+def run(
+    *,
+    side: Side = "right",
+    reading: Reading = "sound",
+    port: int = PORT,
+    host: str = "127.0.0.1",
+    browser: bool = True,
+) -> None:
+    """Open the live hand in the browser: move its muscles, play clips, save and export. Without a command this is what happens.
+
+    Parameters
+    ----------
+    side
+        Which hand.
+    reading
+        The laws as they should be (sound) or as the paper prints them.
+    port
+        Where the page is served; the next free one if it is taken, any free one for 0.
+    host
+        Who can reach it: this computer only (127.0.0.1), or others too (0.0.0.0), with a warning.
+    browser
+        Open the page in the browser.
+    """
+    from handlab.show.app.server import start
+
+    def load_session() -> Session:
+        from handlab.show.session import Session
+
+        return Session(load(side, reading))
+
+    start(load_session, host=host, port=checked_port(port), browser=browser, say=lambda text: print(text, flush=True))
+
+
+@app.command
+def pictures(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> None:
     """Draw the fist from four sides, solid and translucent, as a film and as a picture, and open the film.
 
     Parameters
@@ -58,7 +95,7 @@ def run(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     hand = load("right", "sound")
     clip = simulated(hand, "fist")
-    film = save(clip, folder / "fist.mp4", view=FOUR_SIDES, skin=["solid", "translucent"], size=RUN_SIZE, fps=RUN_FPS)
+    film = save(clip, folder / "fist.mp4", view=FOUR_SIDES, skin=["solid", "translucent"], size=PICTURES_SIZE, fps=PICTURES_FPS)
     moments = {f"{clip.time[k]:.1f} s": clip.states[k] for k in (0, len(clip) // 3, len(clip) - 1)}
     picture = folder / "fist.png"
     sheet(hand, moments, picture)
@@ -212,6 +249,9 @@ def info(muscle: str | None = None, /, *, side: Side = "right", reading: Reading
     say(text(hand) if muscle is None else repr(hand.muscles[muscle]))
 
 
+app.command("handlab.show.lab:lab", name="lab")  # imported when it is asked for
+
+
 @app.command
 def doctor() -> int:
     """Check that this machine can simulate, draw and write films, and say what to install where it cannot."""
@@ -221,6 +261,9 @@ def doctor() -> int:
     for finding in found:
         say(f"{'ok ' if finding.ok else 'NO '} {finding.what}", *([f"    {finding.remedy}"] if not finding.ok else []))
     return 0 if all(finding.ok for finding in found) else TROUBLE
+
+
+COMMANDS = tuple(name for name in app if not name.startswith("-"))
 
 
 def load(side: Side, reading: Reading) -> Hand:
@@ -270,12 +313,26 @@ def answer(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         sys.stdout = None  # the reader (head, less) has seen enough; Python would complain again when it closes the stream
         return 0
+    except UnusedCliTokensError as error:
+        extra = list(error.unused_tokens or ())
+        return complain(no_command(extra[0]) if list(arguments[:1]) == extra[:1] else f"cannot tell what {' '.join(extra)!r} means here")
     except CycloptsError as error:
         return complain(str(error))
     except (ValueError, LookupError, OSError, RuntimeError, TypeError) as error:
         return complain(str(error) or type(error).__name__)
     except Exception as error:
         return complain(f"{type(error).__name__}: {error} (this should not happen; HANDLAB_DEBUG=1 shows where)")
+
+
+def no_command(word: str) -> str:
+    """What to say about a word that is no command, with the nearest ones."""
+    from handlab.anatomy.terms import find
+
+    try:
+        find(word, COMMANDS, kind="command")
+    except LookupError as error:
+        return str(error)
+    return f"{word!r} stands in the wrong place"
 
 
 def complain(text: str) -> int:

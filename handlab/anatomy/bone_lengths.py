@@ -35,7 +35,9 @@ def bone_lengths_mm() -> Mapping[int, Mapping[str, float]]:
         if not heading:
             heading = cells
             if set(heading) != {"digit", *BONES, PULP}:
-                raise ValueError(f"{FILE}, line {reader.line_num}: the columns are {heading}; they must be digit, {', '.join(BONES)}, {PULP}")
+                raise ValueError(
+                    f"{FILE}, line {reader.line_num}: the columns are {heading}; they must be digit, {', '.join(BONES)}, {PULP}"
+                )
             continue
         try:
             row = dict(zip(heading, cells, strict=True))

@@ -21,6 +21,11 @@ ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 COMPONENTS: dict[int, np.dtype[Any]] = {5121: np.dtype("<u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 INDICES = "indices"
+SKIN, BONE = 0, 1  # materials: without one a viewer shows polished metal, and some readers drop the texture coordinates
+MATERIALS = [
+    {"name": name, "pbrMetallicRoughness": {"baseColorFactor": colour, "metallicFactor": 0.0, "roughnessFactor": 0.7}}
+    for name, colour in (("skin", [0.72, 0.45, 0.34, 1.0]), ("bone", [0.88, 0.83, 0.69, 1.0]))
+]
 
 
 def write_glb(
@@ -35,6 +40,7 @@ def write_glb(
         "scene": 0,
         "scenes": [{"nodes": []}],
         "nodes": [{"name": name} for name in joints],
+        "materials": MATERIALS,
         "meshes": [],
         "accessors": [],
         "bufferViews": [],
@@ -61,9 +67,12 @@ def write_glb(
             for key, values in arrays.items()
             if key != INDICES
         }
-        document["meshes"].append(
-            {"name": name, "primitives": [{"attributes": attributes, "indices": accessor(indices, ELEMENT_ARRAY_BUFFER)}]}
-        )
+        surface = {
+            "attributes": attributes,
+            "indices": accessor(indices, ELEMENT_ARRAY_BUFFER),
+            "material": BONE if name in bodies else SKIN,
+        }
+        document["meshes"].append({"name": name, "primitives": [surface]})
         node: dict[str, Any] = {"name": name, "mesh": len(document["meshes"]) - 1}
         document["nodes"].append(node)
         number = len(document["nodes"]) - 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -16,35 +17,46 @@ from handlab.anatomy.records import Array, Body, Bone, DegreeOfFreedom, FineSkin
 from handlab.anatomy.terms import BONES, UnknownName
 
 READINGS = ("sound", "printed")
+SIDES = ("right", "left")
+WEIGHT_STEPS = 2**20  # blend weights are multiples of 1/2^20: 32 bits hold them, and rows add to exactly 1
 
 
-def load_hand(path: str | Path | None = None, *, side: str = "right", reading: str = "sound") -> Hand:
+def load_hand(path: str | os.PathLike[str] | None = None, *, side: str | None = None, reading: str | None = None) -> Hand:
     """Load the reference hand, or a hand saved in the folder ``path``.
 
-    ``side``: "right" or "left" (mirrored). ``reading``: "sound" (default), or "printed": lever arms, rest lengths and MCP
-    limits as printed in the paper, the straight hand as posture of rest length, no passive stiffness, no collateral ligaments.
+    ``side``: "right" or "left"; where it is not the side of the stored hand, that is mirrored. ``reading``: "sound", or "printed":
+    lever arms, rest lengths and MCP limits as printed in the paper, the straight hand as posture of rest length, no passive
+    stiffness, no collateral ligaments. Not given, both are as saved; the reference hand is right and sound.
     Raises ``ValueError`` for an unknown side or reading or a broken file, ``FileNotFoundError`` if ``path`` holds no hand.
 
     >>> hand = load_hand()
     >>> len(hand.bones), len(hand.muscles), len(hand.dof_names)
     (29, 42, 31)
     """
-    if side not in ("right", "left"):
+    if side not in (None, *SIDES):
         raise ValueError(f"side is {side!r}; it must be 'right' or 'left'")
-    if reading not in READINGS:
+    if reading not in (None, *READINGS):
         raise ValueError(f"reading is {reading!r}; it must be one of {', '.join(READINGS)}")
     folder = data.folder() / "reference_hand" if path is None else Path(path)
     if not (folder / "hand.json").is_file() or not (folder / "hand.glb").is_file():
         raise FileNotFoundError(f"{folder} holds no hand: a hand is a folder with hand.json and hand.glb")
-    geometry = json.loads((folder / "hand.json").read_text(encoding="utf-8"))
     try:
-        hand = _assemble(geometry, read_glb(folder / "hand.glb"), reading)
-    except (KeyError, TypeError, IndexError) as error:
+        geometry = json.loads((folder / "hand.json").read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{folder / 'hand.json'} is not readable: {error}; build or save the hand again") from error
+    meshes = read_glb(folder / "hand.glb")
+    try:
+        hand = _assemble(geometry, meshes, reading or geometry.get("reading", READINGS[0]))
+    except (AttributeError, KeyError, TypeError, IndexError) as error:
         raise ValueError(f"{folder} is not a complete hand: {error!r} is missing or misplaced; build or save it again") from error
-    return hand if side == hand.side else mirrored(hand)
+    except ValueError as error:
+        raise ValueError(f"{folder} is not a complete hand: {error}; build or save it again") from error
+    return hand if side in (None, hand.side) else mirrored(hand)
 
 
 def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], reading: str) -> Hand:
+    if geometry["side"] not in SIDES or reading not in READINGS:
+        raise ValueError(f"its side is {geometry['side']!r} and its reading {reading!r}")
     printed = reading == "printed"
     rows = tables.joints_table()
     joints = {}
@@ -71,6 +83,8 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
     bind = [math.radians(geometry["joints"][dof.joint]["dofs"][dof.name]["bind_deg"]) for dof in flat]
     # The paper starts from the straight hand; the followers' offsets (thumb pronation) hold there too.
     rest = [_straight(dof, {d.name: d for d in flat}) if printed else dof.fibre_rest for dof in flat]
+    settings = geometry.get("settings", {})
+    own = settings if reading == geometry.get("reading") else {}  # another reading has its own posture and stiffness
     return Hand(
         name=geometry["name"],
         side=geometry["side"],
@@ -83,11 +97,11 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         muscles=Named("muscle", tables.muscles(), tables.aliases()),
         feature_points=Named("feature point", geometry["feature_points"]),
         bind=frozen(bind),
-        fibre_rest=frozen(rest),
-        stiffness=frozen([0.0 if printed else dof.stiffness for dof in flat]),
-        collateral={} if printed else _collateral(),
-        newton_per_percent=tables.newton_per_percent(),
-        friction=tables.friction(),
+        fibre_rest=frozen(own.get("fibre_rest_rad", rest)),
+        stiffness=frozen(own.get("stiffness", [0.0 if printed else dof.stiffness for dof in flat])),
+        collateral=dict(own.get("collateral", {} if printed else _collateral())),
+        newton_per_percent=float(settings.get("newton_per_percent", tables.newton_per_percent())),
+        friction=float(settings.get("friction", tables.friction())),
         sources=geometry["sources"],
     )
 
@@ -104,8 +118,15 @@ def _collateral() -> dict[str, float]:
 def _skin(arrays: dict[str, Any], bodies: list[str]) -> Skin:
     weights = np.zeros((len(arrays["POSITION"]), len(bodies)))
     np.add.at(weights, (np.arange(len(weights))[:, None], arrays["JOINTS_0"].astype(int)), arrays["WEIGHTS_0"].astype(float))
-    weights /= weights.sum(axis=1, keepdims=True)
-    return Skin(_points(arrays), frozen(arrays["indices"], np.int64), frozen(weights))
+    return Skin(_points(arrays), frozen(arrays["indices"], np.int64), frozen(exact_weights(weights)))
+
+
+def exact_weights(weights: Array) -> Array:
+    """Blend weights (N, body) rounded to multiples of 1/2^20 so that every row adds to exactly 1."""
+    steps = np.round(weights / weights.sum(axis=1, keepdims=True) * WEIGHT_STEPS)
+    steps[np.arange(len(steps)), steps.argmax(axis=1)] += WEIGHT_STEPS - steps.sum(axis=1)
+    result: Array = steps / WEIGHT_STEPS
+    return result
 
 
 def _fine_skin(arrays: dict[str, Any]) -> FineSkin:

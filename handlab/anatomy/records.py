@@ -12,6 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -279,3 +281,9 @@ class Hand:
         if not np.isfinite(newton_per_percent) or newton_per_percent <= 0:
             raise ValueError(f"newton_per_percent is {newton_per_percent}; it must be a positive number (20 is the default, an assumption)")
         return self.with_(newton_per_percent=float(newton_per_percent))
+
+    def save(self, folder: str | PathLike[str]) -> Path:
+        """Write this hand into ``folder``, whole or not at all; ``load_hand(folder)`` gives it back (see ``store.save_hand``)."""
+        from handlab.anatomy.store import save_hand  # loading a hand needs no writer
+
+        return save_hand(self, folder)

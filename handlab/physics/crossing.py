@@ -22,7 +22,7 @@ def _six_volumes(a: Array, b: Array, c: Array, d: Array) -> float:
     ux, uy, uz = a[0] - d[0], a[1] - d[1], a[2] - d[2]
     vx, vy, vz = b[0] - d[0], b[1] - d[1], b[2] - d[2]
     wx, wy, wz = c[0] - d[0], c[1] - d[1], c[2] - d[2]
-    return ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
+    return float(ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx))
 
 
 @compiled

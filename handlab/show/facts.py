@@ -75,15 +75,28 @@ def assumptions(hand: Hand) -> str:
 
 def quality(hand: Hand) -> str:
     """Geometry measured against what a good hand must reach."""
-    from handlab.anatomy.quality import quality as measure
+    from handlab.studies.quality import quality as measure
 
     rows = [(what, measured, wanted, "yes" if ok else "NO") for what, measured, wanted, ok in measure(hand)]
     return table(("quality", "measured", "wanted", "ok"), rows)
 
 
+def opposition(hand: Hand) -> str:
+    """The Kapandji score: how far round the hand the thumb's pulp reaches."""
+    from tqdm.auto import tqdm
+
+    from handlab.studies.kapandji import kapandji
+
+    with tqdm(total=100, desc="Kapandji score", unit="%", delay=1.0, leave=False, disable=None) as bar:
+        found = kapandji(hand, progress=lambda done: bar.update(round(100 * done) - bar.n) and None)
+    rows = [(stage.number, stage.target, f"{1e3 * stage.distance:.1f}", "yes" if stage.reached else "no") for stage in found.stages]
+    summary = f"Kapandji score {found.score} of {len(rows)}: reach of the thumb's pulp with every joint inside its limits, muscles left out"
+    return table(("stage", "the thumb's pulp to", "left mm", "reached"), rows) + "\n" + summary
+
+
 def info(hand: Hand) -> str:
     """Everything above, one table after the other."""
-    return "\n\n".join([repr(hand), meshes(hand), quality(hand), muscles(hand), joints(hand), assumptions(hand)])
+    return "\n\n".join([repr(hand), meshes(hand), quality(hand), muscles(hand), joints(hand), opposition(hand), assumptions(hand)])
 
 
 def findings() -> list[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,13 +21,17 @@ FRAMING_SAMPLES = 13
 
 @dataclass(frozen=True)
 class Layout:
-    """Columns are ``views``, rows are ``skins``; ``size`` is the whole picture in pixels, ``muscles`` adds the panel."""
+    """Columns are ``views``, rows are ``skins``; ``size`` is the whole picture in pixels, ``muscles`` adds the panel.
+
+    ``camera`` replaces what the named views would frame.
+    """
 
     views: tuple[str, ...] = ("palm",)
     skins: tuple[str, ...] = ("solid",)
     bones: bool = True
     size: tuple[int, int] = (800, 600)
     muscles: bool = True
+    camera: Camera | None = None
 
     @property
     def panel_width(self) -> int:
@@ -65,11 +69,13 @@ class Tiles:
     def __init__(self, story: Story, plan: Layout, *, quality: Quality = "film", framing: Iterable[Moment] | None = None) -> None:
         self.story = story
         self.rows = active(story) if plan.muscles else []
-        self.plan = plan if self.rows else Layout(plan.views, plan.skins, plan.bones, plan.size, muscles=False)
+        self.plan = plan if self.rows else replace(plan, muscles=False)
         width, height = self.plan.tile
         self.scene = Scene(story.hand, size=(width, height), bones=plan.bones, quality=quality)
         seen = list(framing) if framing is not None else story.sample(FRAMING_SAMPLES)
         self.cameras: dict[str, Camera] = same_scale(story.hand, plan.views, [moment.skin for moment in seen], width / height)
+        if plan.camera is not None:
+            self.cameras = dict.fromkeys(plan.views, plan.camera)
 
     def picture(self, moment: Moment, *, title: str = "") -> Picture:
         """The whole picture at one moment (height, width, 3)."""

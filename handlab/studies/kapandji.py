@@ -17,8 +17,8 @@ from handlab.physics.distance import closest
 from handlab.simulation.kinematics import posed_axes
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skeleton import coupled, mechanics
-from handlab.simulation.skin import blend
-from handlab.studies.measures import flesh_depth, pulps, segment_faces, skin_distance, vertex_normals
+from handlab.simulation.skin import blend, normals
+from handlab.studies.measures import flesh_depth, pulps, segment_faces, skin_distance
 
 WITHIN = 0.004  # the pulp counts as there at this distance (assumption: an examiner's eye)
 SOFT = 0.003  # deeper than this the pulp would have to go through flesh (assumption)
@@ -101,10 +101,14 @@ def kapandji(hand: Hand, *, progress: Callable[[float], None] | None = None) -> 
     that helps. ``progress`` is called with the finished fraction. Source: Kapandji 1986 (recalled). Takes a few seconds.
     """
     stages: list[Stage] = []
-    start: dict[str, float] = {}
+    found: dict[str, float] = {}
     for number, place in enumerate(places(hand), start=1):
-        stage, start = _reach(hand, number, place, start)
+        stage, last = _reach(hand, number, place, found if place.comes else {})
+        if not stage.reached:  # a search can get stuck: once more from the other side
+            again, other = _reach(hand, number, place, {} if place.comes else found)
+            stage, last = min((stage, last), (again, other), key=lambda one: (not one[0].reached, one[0].distance + one[0].depth))
         stages.append(stage)
+        found = last
         if progress is not None:
             progress(number / len(places(hand)))
     return Opposition(tuple(stages))
@@ -119,7 +123,7 @@ def _reach(hand: Hand, number: int, place: Place, start: dict[str, float]) -> tu
     columns = np.array([hand.moving_names.index(name) for name in limits])
     low, high = np.array(list(limits.values())).T
     first = np.clip([start.get(name, fixed[k]) for name, k in zip(limits, columns, strict=True)], low + 1e-3, high - 1e-3)
-    own, obstacle = _thumb_points(hand), _obstacle(hand, place)
+    pulp, own, obstacle = pulps(hand)[1], _thumb_points(hand), _obstacle(hand, place)
 
     def angle(x: Array) -> Array:
         y = fixed.copy()
@@ -128,9 +132,11 @@ def _reach(hand: Hand, number: int, place: Place, start: dict[str, float]) -> tu
 
     def residual(x: Array) -> Array:
         skin = blend(hand, angle(x))
-        apart = skin[pulps(hand)[1]].mean(axis=0) - skin[place.points].mean(axis=0)
+        outward = normals(hand, skin)
+        apart = skin[pulp].mean(axis=0) - skin[place.points].mean(axis=0)
+        turned = outward[pulp].mean(axis=0) + outward[place.points].mean(axis=0)
         depth = np.maximum(0.0, -skin_distance(hand, skin, own, obstacle))
-        return np.concatenate([[(_gap(hand, skin, place) - GAP) / 0.0007], apart / 0.004, depth / 0.001, (x - first) / 4.0])
+        return np.concatenate([[(_gap(hand, skin, place) - GAP) / 0.0007], apart / 0.004, turned / 0.5, depth / 0.001, (x - first) / 4.0])
 
     found = least_squares(residual, first, bounds=(low, high), diff_step=1e-3, max_nfev=ROUNDS).x
     skin = blend(hand, angle(found))
@@ -207,5 +213,5 @@ def _through(hand: Hand, at: Array, direction: Array) -> int:
     beyond = hand.skin.points - at
     along = beyond @ direction
     aside = np.linalg.norm(beyond - along[:, None] * direction, axis=1)
-    facing = vertex_normals(hand.skin.points, hand.skin.faces) @ direction > 0.3
+    facing = normals(hand, hand.skin.points) @ direction > 0.3
     return int(np.argmin(np.where((along > 0.0) & facing, aside + 0.15 * along, np.inf)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlab.anatomy.records import Array, FineSkin, Mesh
+from handlab.anatomy.records import Array, FineSkin, Index, Mesh
 from handlab.physics.crossing import FLAT, overlapping, self_crossings
 
 TEXTURE_TOUCH = 1e-6  # texture coordinates are stored with seven digits: less than this is contact, not overlap
@@ -15,7 +15,7 @@ def faults(mesh: Mesh) -> tuple[str, ...]:
     found = []
     faces = mesh.faces
     sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    _, number = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+    number: Index = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)[1].astype(np.int64)
     use = np.bincount(number)
     if (use == 1).any():
         found.append(f"{int((use == 1).sum())} open edges")
@@ -31,12 +31,14 @@ def faults(mesh: Mesh) -> tuple[str, ...]:
         found.append(f"{pinched} points at which parts merely touch")
     if (pieces := parts(faces)) > 1:
         found.append(f"{pieces} pieces")
+    if not found and (handles := 1 - (len(mesh.points) - len(use) + len(faces)) // 2) > 0:  # Euler: V - E + F = 2 - 2 handles
+        found.append(f"{handles} tunnels through it")
     if mesh.volume <= 0.0:
         found.append("triangles face inwards")
     return tuple(found)
 
 
-def parts(faces: Array) -> int:
+def parts(faces: Index) -> int:
     """Number of connected pieces."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -47,7 +49,7 @@ def parts(faces: Array) -> int:
     return int(connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(used),) * 2), directed=False)[0])
 
 
-def _fans(faces: Array, number: Array) -> int:
+def _fans(faces: Index, number: Index) -> int:
     """Number of fans of triangles around points: one for each point of a manifold. ``number``: edge of each side."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components

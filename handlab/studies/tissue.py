@@ -22,6 +22,7 @@ CREASE_REACH = 0.012  # of the skin's profile on either side of a joint
 CREASE_STEP = 0.00025
 CREASE_LINES = np.linspace(-0.002, 0.002, 5)  # beside the midline; the profile is their mean
 CREASE_DEPTH = 0.0002  # below the straight line that bridges it: a shallower dip is no crease
+TROUGH = 0.0001
 NEAR = 0.045  # skin that can matter to a joint
 
 
@@ -38,18 +39,15 @@ def depths(points: Array, mesh: Mesh) -> Array:
     return np.where(winding(points, triangles) > 0.5, distance, -distance)
 
 
-def bone_depths_in_skin(hand: Hand) -> tuple[dict[str, float], dict[str, float]]:
-    """Least depth of each bone's points inside the even and inside the fine skin."""
-    names = list(hand.bones)
-    points = np.vstack([hand.bones[name].points for name in names])
-    owner = np.repeat(np.arange(len(names)), [len(hand.bones[name].points) for name in names])
+def bone_depths_in_skin(hand: Hand) -> tuple[tuple[float, str], tuple[float, str]]:
+    """Least depth of any bone's points inside the even and inside the fine skin (negative outside), and the bone that comes nearest."""
+    owner = [name for name, bone in hand.bones.items() for _ in bone.points]
+    points = np.vstack([bone.points for bone in hand.bones.values()])
     even = depths(points, hand.skin)
-    reach = float(np.abs(hand.skin_fine.height).max())  # the fine skin is nowhere farther from the even one
-    fine = even + reach  # at most; looked up where it can be the least of its bone
-    least = np.array([even[owner == i].min() for i in range(len(names))])
-    doubtful = np.flatnonzero(even <= least[owner] + 2.0 * reach)
-    fine[doubtful] = depths(points[doubtful], hand.skin_fine)
-    return tuple({name: float(depth[owner == i].min()) for i, name in enumerate(names)} for depth in (even, fine))  # type: ignore[return-value]
+    reach = float(np.abs(hand.skin_fine.height).max())  # the fine skin lies no farther from the even one
+    near = np.flatnonzero(even <= even.min() + 2.0 * reach)
+    fine = depths(points[near], hand.skin_fine)
+    return (float(even.min()), owner[int(even.argmin())]), (float(fine.min()), owner[int(near[fine.argmin()])])
 
 
 def separation(one: Mesh, other: Mesh) -> tuple[float, Array]:
@@ -144,14 +142,17 @@ def palmar_profile(hand: Hand, joint: str) -> tuple[Array, Array]:
 def crease(hand: Hand, joint: str) -> float | None:
     """How far distal of the joint's centre the palmar crease lies; None where the skin has none within 12 mm.
 
-    The crease is the place where the palmar profile is deepest below the line that bridges it (its upper convex hull).
+    The crease is where the palmar profile is deepest below the line that bridges it (its upper convex hull): the middle of
+    the places within 0.1 mm of the greatest depth, as some creases are flat troughs.
     """
     along, height = palmar_profile(hand, joint)
     if not np.isfinite(height).all():
         return None
     depth = _bridge(along, height) - height
-    deepest = int(depth.argmax())
-    return float(along[deepest]) if depth[deepest] > CREASE_DEPTH else None
+    if depth.max() < CREASE_DEPTH:
+        return None
+    trough = along[depth > depth.max() - TROUGH]
+    return float(trough[0] + trough[-1]) / 2.0
 
 
 def _bridge(x: Array, y: Array) -> Array:

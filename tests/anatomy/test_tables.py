@@ -416,10 +416,11 @@ def test_moving_joints_have_a_small_stiffness_and_followers_none():
     stiffness = {name: dof.stiffness for name, dof in dofs().items()}
     assert stiffness["wrist.deviation"] == 0.5
     assert stiffness["cmc1.flexion_opposition"] == 0.15
-    assert stiffness["dip3.flexion_extension"] == 0.04
+    assert stiffness["pip3.flexion_extension"] == 0.04
+    assert stiffness["dip3.flexion_extension"] == 0.035
     for dof in dofs().values():
         assert (dof.stiffness == 0) == (dof.driver is not None)
-        assert dof.stiffness == 0 or 0.04 <= dof.stiffness <= 0.5
+        assert dof.stiffness == 0 or 0.035 <= dof.stiffness <= 0.5
 
 
 def test_fingers_cannot_be_spread_in_a_fist():

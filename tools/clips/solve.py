@@ -24,6 +24,10 @@ from handlab.studies import measures
 from .targets import CLIPS, POSTURES, Posture
 
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "clips"
+SOLVED = Path(__file__).with_name("solved.json")  # contractions of every posture, as found
+START = 0.2  # seconds of rest before a clip moves
+THUMB_SHARE = 0.4  # of a movement's time: how much earlier the thumb leaves, and later it arrives, than the fingers
+THUMB_REGIONS = ("long thumb muscles", "thenar")
 PULP_GAP = 0.0010  # aimed at where pulps meet; -1 to 4 mm is accepted
 SLACK = 0.0011  # flesh may enter flesh this much
 ROUNDED = 4  # decimals of a contraction
@@ -123,13 +127,27 @@ class Solver:
         return y, contraction
 
 
-def write_clip(name: str, solved: dict[str, np.ndarray], hand: hl.Hand) -> None:
-    """Key frames of one clip from the contractions of its postures."""
+def write_clip(name: str, solved: dict[str, dict[str, float]], hand: hl.Hand) -> None:
+    """Key frames of one clip from the contractions of its postures.
+
+    Fingers and wrist go straight from one posture to the next. The thumb gives way first, as it does on the open hand, and
+    comes back last, so that it never passes through a finger.
+    """
     title, postures, reach, stay = CLIPS[name]
-    time, rows = [0.0, 0.2], [np.zeros(len(hand.muscles)), np.zeros(len(hand.muscles))]
+    thumb = np.array([muscle.region in THUMB_REGIONS for muscle in hand.muscles.values()])
+    away = np.where(thumb, _row(solved["open"], hand), 0.0)
+    time, rows = [0.0, START], [np.zeros(len(hand.muscles)), np.zeros(len(hand.muscles))]
     for posture in postures:
-        time += [time[-1] + reach, time[-1] + reach + stay]
-        rows += [solved[posture], solved[posture]]
+        goal, last = _row(solved[posture], hand), rows[-1]
+        if len(postures) > 1 and name != "wave" and posture != postures[0]:
+            time.append(time[-1] + THUMB_SHARE * reach)
+            rows.append(np.where(thumb, away, last))
+        time += [time[-1] + reach, time[-1] + (1.0 + THUMB_SHARE) * reach]
+        first = rows[-1] if len(rows) > 2 and name != "wave" else np.where(thumb, 0.35 * goal, 0.0)
+        rows += [np.where(thumb, first, goal), goal]
+        if stay > 0:
+            time.append(time[-1] + stay)
+            rows.append(goal)
     values = np.array(rows)
     used = np.flatnonzero(values.max(axis=0) > 0)
     clip = {
@@ -143,17 +161,23 @@ def write_clip(name: str, solved: dict[str, np.ndarray], hand: hl.Hand) -> None:
     (FOLDER / f"{name}.json").write_text(json.dumps(clip, indent=1) + "\n", encoding="utf-8")
 
 
+def _row(contraction: dict[str, float], hand: hl.Hand) -> np.ndarray:
+    return np.array([contraction.get(name, 0.0) for name in hand.muscle_names])
+
+
 def main(names: list[str]) -> None:
-    """Solve the named clips (all, if none is named)."""
+    """Solve the postures of the named clips (all, if none is named; only write the clips for ``--write``)."""
     hand = hl.load_hand()
     solver = Solver(hand)
-    wanted = names or list(CLIPS)
-    needed = list(dict.fromkeys(posture for name in wanted for posture in CLIPS[name][1]))
-    solved = {}
+    write_only = "--write" in names
+    wanted = [name for name in names if name != "--write"] or list(CLIPS)
+    solved = json.loads(SOLVED.read_text(encoding="utf-8")) if SOLVED.exists() else {}
+    needed = [] if write_only else list(dict.fromkeys(posture for name in wanted for posture in CLIPS[name][1]))
     for posture in tqdm(needed, desc="postures", file=sys.stderr):
         y, contraction = solver.posture(POSTURES[posture])
-        solved[posture] = contraction
+        solved[posture] = {name: float(value) for name, value in zip(hand.muscle_names, contraction, strict=True) if value > 0}
         print(posture, report(solver, y, POSTURES[posture]), flush=True)
+        SOLVED.write_text(json.dumps(solved, indent=1) + "\n", encoding="utf-8")
     for name in wanted:
         write_clip(name, solved, hand)
 

@@ -112,7 +112,7 @@ POSTURES: dict[str, Posture] = {
             "mcp3.deviation": (-5, 5),
         }
     ),
-    "hook": Posture({**fingers({"mcp": (0, 30), "pip": (80, 104), "dip": (25, 65)}), **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
+    "hook": Posture({**fingers({"mcp": (0, 27), "pip": (80, 104), "dip": (25, 65)}), **SIDE_BY_SIDE, **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
     "l": Posture(
         {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -10), (0, 26), (-6, 12), (-8, 12)), **wrist((-25, 0))},
         near_palm=(3, 4, 5),
@@ -138,7 +138,7 @@ POSTURES: dict[str, Posture] = {
 }
 
 # Clip -> title and its postures with the time at which each is reached and how long it stays (seconds).
-REACH, STAY = 0.8, 0.7
+REACH = 1.0
 CLIPS: dict[str, tuple[str, tuple[str, ...], float, float]] = {
     "open": ("The hand opens", ("open",), REACH, 1.2),
     "fist": ("The hand closes its fist", ("fist",), REACH, 1.2),

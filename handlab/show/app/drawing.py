@@ -1,0 +1,144 @@
+"""Films and pictures, drawn in a process of their own: a crash in the graphics driver must not take the live hand with it.
+
+The process reads a recording (arrays only, nothing that could be code), writes one file and says in one line what went wrong.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlab.anatomy.records import Hand, frozen
+from handlab.simulation.clip import Clip
+
+ARRAYS = ("time", "contraction", "angle", "speed", "fibre_length", "force", "torque")
+LONGEST_S = 600.0
+
+
+class DrawingFailed(RuntimeError):  # noqa: N818 (reads as what it is)
+    """No file came out; the message says why in one sentence."""
+
+
+def pack(clip: Clip, path: Path) -> None:
+    """Write the arrays of a clip."""
+    np.savez(path, **{name: getattr(clip, name) for name in ARRAYS})
+
+
+def unpack(path: Path, hand: Hand, fps: float, name: str) -> Clip:
+    """Read what ``pack`` wrote."""
+    with np.load(path, allow_pickle=False) as kept:
+        return Clip(hand=hand, **{name: frozen(kept[name]) for name in ARRAYS}, fps=fps, name=name)
+
+
+async def draw(clip: Clip, out: Path, how: Mapping[str, Any], folder: Path) -> None:
+    """Write ``out`` (.png, .mp4, .gif) of a clip in another process; ``folder`` takes the recording for as long as it lasts.
+
+    ``how`` holds the plain arguments of ``picture_plan``. Raises ``DrawingFailed``.
+    """
+    recording, job = folder / f"{out.stem}.npz", folder / f"{out.stem}.json"
+    hand = clip.hand
+    about = {
+        "recording": str(recording), "out": str(out), "fps": clip.fps, "name": clip.name,
+        "side": hand.side, "reading": hand.reading, "newton_per_percent": hand.newton_per_percent, "how": dict(how),
+    }  # fmt: skip
+    process = None
+    try:
+        await asyncio.to_thread(pack, clip, recording)
+        job.write_text(json.dumps(about), encoding="utf-8")
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "handlab.show.app.drawing", str(job),
+            stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE,
+            start_new_session=os.name == "posix",  # Ctrl-C goes to the server, which ends it
+        )  # fmt: skip
+        _, said = await asyncio.wait_for(process.communicate(), LONGEST_S)
+        if process.returncode:
+            raise DrawingFailed(why(process.returncode, said.decode(errors="replace")))
+    except OSError as error:
+        raise DrawingFailed(f"cannot write the recording: {error.strerror or error}") from error
+    except TimeoutError:
+        raise DrawingFailed(f"drawing took longer than {LONGEST_S:g} s; choose a shorter clip or a smaller picture") from None
+    finally:
+        if process is not None and process.returncode is None:
+            process.kill()
+            await process.wait()
+        for path in (recording, job):
+            path.unlink(missing_ok=True)
+
+
+def why(code: int, said: str) -> str:
+    """The last line that the process wrote, or what its end means."""
+    from handlab.show.doctor import remedy
+
+    if code < 0:
+        return f"drawing crashed in the graphics library; {remedy()}"
+    lines = [line for line in said.strip().splitlines() if line.strip()]
+    return lines[-1] if lines else f"drawing ended with code {code}"
+
+
+def picture_plan(
+    *,
+    view: str = "palm",
+    camera: Mapping[str, Any] | None = None,
+    skin: str = "solid",
+    bones: bool = True,
+    muscles: bool = True,
+    size: tuple[int, int] = (1280, 720),
+) -> Any:
+    """A layout of one tile, seen from a named view or through the viewer's own ``camera``.
+
+    ``camera``: ``position``, ``focus``, ``up`` (3,), metres in the frame of the hand.
+    """
+    from dataclasses import replace
+
+    from handlab.show.tiles import layout
+
+    plan = layout(view, skin, bones, size, muscles)
+    return plan if camera is None else replace(plan, camera=aimed(camera))
+
+
+def aimed(camera: Mapping[str, Any]) -> Any:
+    """A ``Camera`` from where it is, what it looks at and what is up."""
+    from handlab.show.views import Camera
+
+    position, focus, up = (np.asarray(camera[key], dtype=np.float64) for key in ("position", "focus", "up"))
+    to_eye = position - focus
+    distance = float(np.linalg.norm(to_eye))
+    if not all(v.shape == (3,) and np.isfinite(v).all() for v in (position, focus, up)) or not 0.01 < distance < 10.0:
+        raise ValueError("the camera must look at the hand from between 1 cm and 10 m")
+    to_eye /= distance
+    right = np.cross(up, to_eye)
+    if not np.linalg.norm(right) > 1e-6:
+        raise ValueError("the camera looks along its own up direction")
+    right /= np.linalg.norm(right)
+    return Camera(to_eye, np.cross(to_eye, right), right, focus, distance)
+
+
+def main(job: Path) -> None:
+    """What the process does."""
+    from handlab.anatomy.load import load_hand
+    from handlab.show.moments import Story
+    from handlab.show.save import WRITERS
+
+    about = json.loads(job.read_text(encoding="utf-8"))
+    hand = load_hand(side=about["side"], reading=about["reading"]).with_newton_per_percent(about["newton_per_percent"])
+    clip = unpack(Path(about["recording"]), hand, about["fps"], about["name"])
+    how, out = dict(about["how"]), Path(about["out"])
+    rate = float(how.pop("fps", 30.0))
+    if "size" in how:
+        how["size"] = tuple(how["size"])
+    told = Story(hand, clip=clip) if len(clip) > 1 else Story(hand, state=clip.states[0])
+    WRITERS[out.suffix](told, out, picture_plan(**how), rate)
+
+
+if __name__ == "__main__":
+    try:
+        main(Path(sys.argv[1]))
+    except Exception as error:  # the other side shows this line to the user
+        sys.exit(" ".join((str(error) or type(error).__name__).split()))

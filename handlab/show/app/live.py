@@ -1,0 +1,148 @@
+"""Between the browser and the session: messages in, frames out, no faster than each page can draw.
+
+Every page has a credit. A frame costs one, and the page gives it back when it has the frame. A page without credit (a tab in
+the background, a slow line) misses frames and gets the newest one when it is back: nothing ever queues up.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from wslink import register
+from wslink.websocket import LinkProtocol
+
+if TYPE_CHECKING:
+    from handlab.show.app.guard import Guard
+    from handlab.show.session import Session, Wish
+
+RATE = 60.0  # frames per second at most
+CREDIT = 2  # frames on their way to a page at once: one travels while the other is drawn
+PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
+
+F = TypeVar("F", bound=Callable[..., Any])
+called: Callable[[str], Callable[[F], F]] = register  # a page calls the method by this name
+Fulfil = Callable[["Wish"], Coroutine[Any, Any, dict[str, Any]]]
+
+
+class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
+    """The calls that a page makes, and the loop that plays."""
+
+    def __init__(self, guard: Guard, complain: Callable[[str], None], fulfil: Fulfil) -> None:
+        super().__init__()
+        self.guard = guard
+        self.session: Session | None = None
+        self.web: Any = None  # wslink's server, once it is there
+        self._complain = complain
+        self._fulfil = fulfil
+        self._credit: dict[str, int] = {}
+        self._behind: set[str] = set()
+        self._last: bytes | None = None
+        self._wake = asyncio.Event()
+        self._work: set[asyncio.Task[None]] = set()
+
+    async def validateToken(self, token: object, client_id: str) -> bool:
+        """Whether a page knows the key."""
+        return self.guard.knows(token)
+
+    def onClose(self, client_id: str) -> None:
+        """Forget a page that is gone. Without pages nothing is computed."""
+        self._credit.pop(client_id, None)
+        self._behind.discard(client_id)
+
+    @called("handlab.ready")
+    def ready(self, fresh: bool = False) -> None:
+        """A page has a frame; with ``fresh`` it has just come and wants the first."""
+        page = self.web.last_active_client_id
+        if fresh is True:
+            self._credit[page] = CREDIT
+            if self.session is not None:
+                self.session.refresh()
+                self._wake.set()
+        elif page in self._credit:
+            self._credit[page] = min(self._credit[page] + 1, CREDIT)
+            if page in self._behind and self._last is not None:
+                self._send_to(page, self._last)
+
+    @called("handlab.message")
+    def receive(self, message: Any = None) -> None:
+        """A message of a page goes to the session; what it answers comes back."""
+        if self.session is None:
+            return  # nobody has seen the hand yet
+        page = self.web.last_active_client_id
+        try:
+            self.session.message(message)
+        except Exception as error:  # a bug must not end the hand of a whole class
+            self._complain(f"the message {str(message)[:80]!r} failed: {type(error).__name__}: {error}")
+            self.tell({"kind": "answer", "good": False, "text": f"that did not work: {error}"}, page)
+        self._pass_on(page)
+        for wish in self.session.wishes():
+            self._start(self._grant(wish, page))
+        self._wake.set()
+
+    def tell(self, reply: dict[str, Any], page: str | None = None) -> None:
+        """A reply to one page, or to all."""
+        self.publish("handlab.note", reply, client_id=page)
+
+    def _pass_on(self, page: str | None = None) -> None:
+        assert self.session is not None
+        for reply in self.session.replies():
+            self.tell(reply, page if reply.get("kind") in PRIVATE else None)
+
+    def _start(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work)
+        self._work.add(task)
+        task.add_done_callback(self._work.discard)
+
+    async def _grant(self, wish: Wish, page: str) -> None:
+        try:
+            reply = await self._fulfil(wish)
+        except Exception as error:  # whatever a full disk or a driver comes up with, the hand lives on
+            sentence = " ".join(str(error).split()) or type(error).__name__
+            reply = {"kind": "answer", "good": False, "text": f"no .{wish.format}: {sentence}"}
+        self.tell(reply, page)
+
+    def _send_to(self, page: str, frame: bytes) -> None:
+        self._credit[page] -= 1
+        self._behind.discard(page)
+        self.publish("handlab.frame", frame, client_id=page)
+
+    def _send(self, frame: bytes) -> None:
+        self._last = frame
+        for page in list(self._credit):
+            if self._credit[page] > 0:
+                self._send_to(page, frame)
+            else:
+                self._behind.add(page)
+
+    def _tick(self, dt: float) -> bytes | None:
+        if self.session is None or not self._credit:
+            return None
+        try:
+            frame = self.session.tick(dt)
+            self._pass_on()
+        except Exception as error:
+            self._complain(f"a step failed: {type(error).__name__}: {error}")
+            self.tell({"kind": "answer", "good": False, "text": f"the motion stopped ({error}); press reset"})
+            return None
+        return frame
+
+    async def play(self, session: Session) -> None:
+        """Ask the session for frames while something moves and someone looks; otherwise sleep until a message comes."""
+        self.session = session
+        before = due = time.perf_counter()
+        while True:
+            now = time.perf_counter()
+            frame = self._tick(now - before)
+            before = now
+            if frame is None:
+                self._wake.clear()
+                await self._wake.wait()
+                due = time.perf_counter()
+                before = due - 1.0 / RATE  # the first frame after a pause shows motion already
+                continue
+            self._send(frame)
+            due = max(due + 1.0 / RATE, now)
+            await asyncio.sleep(max(due - time.perf_counter(), 0.0))

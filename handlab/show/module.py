@@ -1,0 +1,20 @@
+"""The viewer's ES module: a few files that a server may serve as they are, or one text for places that take only one."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+STATIC = Path(__file__).parent / "static"
+PARTS = ("hand3d.js", "plots.js", "style.js", "recorded.js", "viewer.js")  # each imports only what stands before it
+ENTRY = "viewer.js"
+OWN_IMPORT = re.compile(r'^import \{[^}]*\} from "\./[a-z0-9]+\.js";\n', flags=re.MULTILINE)
+
+
+@cache
+def viewer_module(*, exports: bool = True) -> str:
+    """All parts as one module that exports ``mount`` and ``recorded``; without ``exports`` it is a plain piece of a script."""
+    text = "\n".join(OWN_IMPORT.sub("", (STATIC / part).read_text(encoding="utf-8")) for part in PARTS)
+    text = re.sub(r"^export (?=(?:async )?(?:function|class|const) )", "", text, flags=re.MULTILINE)
+    return text + ("\nexport { mount, recorded };\n" if exports else "")

@@ -1,0 +1,426 @@
+"""The live hand behind a viewer, in a notebook or an app: messages in, frames out. No drawing, no threads, no clock.
+
+A host owns the loop::
+
+    session = Session(hand)
+    send(session.scene())                  # bytes, once per client (layout: wire.py)
+    session.message({"kind": "set", ...})  # as they arrive; never raises
+    frame = session.tick(dt)               # bytes, or None while nothing moves; dt is real time in seconds
+    for reply in session.replies(): ...    # dicts for the client; bytes, if any, stand under "data"
+    for wish in session.wishes(): ...      # slow work (films): ``exports.fulfilled(wish)`` is a reply; call it on any thread
+    session.refresh()                      # the next tick gives a frame though nothing moves (a client has joined)
+
+Messages, client to host (``n``, a number that the next frame echoes, may stand in each):
+
+==========  ==========================================================================================================
+``set``     ``contraction: {name: 0..1}``: muscles by name or abbreviation; a clip that plays is left
+``hold``    ``joints: [...]``: all joints (or degrees of freedom) that are held from now on
+``play``    ``clip`` (optional: go on with the one that is loaded), ``speed``, ``loop`` (both optional)
+``pause``   nothing else
+``seek``    ``t``: seconds in the clip that is loaded
+``speed``   ``speed``: 0.05 to 4, for clips and for the live hand
+``live``    leave the clip; the hand stays where it is
+``reset``   relaxed hand, no contraction, nothing held, no clip
+``record``  ``on``: the motion from ``true`` to ``false`` becomes the clip ``my clip``
+``save``    ``what: "pose" | "clip"``: answered by a ``file``
+``load``    ``text`` (a pose or a clip that was saved), ``name`` of the file
+``export``  ``format: "mp4" | "gif" | "glb" | "html" | "csv" | "png"``, ``look: {view, skin, bones}``; becomes a wish
+==========  ==========================================================================================================
+
+Replies, host to client: ``status`` (after every change: ``clip``, ``title``, ``seconds``, ``playing``, ``speed``, ``loop``,
+``hold``, ``recording``), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
+``file`` (``name``, ``mime``, and ``text`` or ``data``).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.terms import find
+from handlab.physics.muscle import muscle_force
+from handlab.show import keepsakes, wire
+from handlab.show.moments import Story, story
+from handlab.simulation.clip import Clip
+from handlab.simulation.keyframes import KeyFrames, clips, keyframes
+from handlab.simulation.play import simulate
+from handlab.simulation.skeleton import contraction_of, fibre_lengths, held_coordinates, number, rest, step
+from handlab.simulation.state import State
+
+LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
+STILL = 2e-3  # rad/s: slower than a tenth of a degree a second nobody sees
+AWAKE = 0.3  # seconds after a change in which a hand counts as moving: it starts from rest
+MOST_REPLIES = 32
+MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
+SLOWEST, FASTEST = 0.05, 4.0
+MINE = "my clip"
+FORMATS = ("png", "mp4", "gif", "glb", "html", "csv")
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """A file that a client asked for: ``format``, what it shows, and the client's ``look`` (``view``, ``skin``, ``bones``)."""
+
+    format: str
+    story: Story
+    look: Mapping[str, Any]
+    name: str
+
+
+class Session:
+    """One hand that any number of clients look at and move.
+
+    ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``skin_points``: send the points of the skin
+    (20 kB a frame) instead of letting the viewer blend them (1.6 kB); ``exports``: the formats that this host writes.
+    """
+
+    def __init__(
+        self,
+        hand: Hand,
+        start: State | Clip | None = None,
+        *,
+        contraction: Mapping[str, float] | Any = (),
+        hold: Iterable[str] = (),
+        skin_points: bool = False,
+        exports: Iterable[str] = FORMATS,
+    ) -> None:
+        self.hand = hand
+        self.exports = tuple(exports)
+        self.skin_points = skin_points
+        self.own: dict[str, KeyFrames | Clip] = {}
+        self._replies: deque[dict[str, Any]] = deque(maxlen=MOST_REPLIES)
+        self._wishes: deque[Wish] = deque(maxlen=4)
+        self._history: deque[tuple[float, Array, Array, Array]] = deque(maxlen=MOST_HISTORY)
+        self._echo = 0
+        self._start_over()
+        self.hold = keepsakes.held(hand, hold)
+        if contraction is not None and len(contraction):
+            self.contraction = contraction_of(hand, contraction)
+            self._awake = AWAKE
+        if isinstance(start, Clip):
+            self._given = start.name or "clip"
+            self.own[self._given] = start
+            self._open(self._given)
+        elif start is not None:
+            self.state = start
+
+    def _start_over(self) -> None:
+        self.state = rest(self.hand)
+        self.contraction = np.zeros(len(self.hand.muscle_names))
+        self.hold: tuple[str, ...] = ()
+        self.clip: Clip | None = None
+        self.clip_name = ""
+        self.clip_time = 0.0
+        self.playing, self.loop, self.speed = False, False, 1.0
+        self._recording: float | None = None
+        self._awake = 0.0
+        self._stale = True
+        self._history.clear()
+
+    # What clients get ------------------------------------------------------------------------------------------------
+
+    def scene(self) -> bytes:
+        """What stays, for a new client; a ``refresh`` and a ``status`` go with it."""
+        self.refresh()
+        self._status()
+        return wire.scene(self.hand, shown_clips=self.clips(), exports=self.exports)
+
+    def clips(self) -> list[dict[str, Any]]:
+        """Clips that can be played: the package's, then the user's."""
+        return [*wire.named_clips(), *({"name": name, "title": name, "seconds": float(clip.time[-1])} for name, clip in self.own.items())]
+
+    def refresh(self) -> None:
+        """Let the next tick give a frame, and a status with it, though nothing moves."""
+        self._stale = True
+
+    def replies(self) -> list[dict[str, Any]]:
+        """What is to be told to the clients since the last call."""
+        told = list(self._replies)
+        self._replies.clear()
+        return told
+
+    def wishes(self) -> list[Wish]:
+        """Files asked for since the last call."""
+        asked = list(self._wishes)
+        self._wishes.clear()
+        return asked
+
+    @property
+    def moving(self) -> bool:
+        """Whether the next tick will show something new."""
+        return self._stale or self.playing or (self.clip is None and self._awake > 0.0)
+
+    def tick(self, dt: float) -> bytes | None:
+        """``dt`` seconds of real time pass: the new frame, or None if nothing changed."""
+        if not self.moving:
+            return None
+        passed = min(max(float(dt), 0.0), LONGEST_TICK) * self.speed if isfinite(dt) else 0.0
+        if self.playing:
+            self._play_on(passed)
+        elif self.clip is None and self._awake > 0.0 and passed > 0.0:
+            self._live_on(passed)
+        self._stale = False
+        return self.frame()
+
+    def frame(self) -> bytes:
+        """The present moment as a frame."""
+        contraction, angle, length, force, skin = self._now()
+        flags = wire.MOVING * self.moving | wire.PLAYING * self.playing | wire.CLIP * (self.clip is not None)
+        return wire.frame(
+            self.hand,
+            angle,
+            time=self.state.time if self.clip is None else self.clip_time,
+            contraction=contraction,
+            fibre_length=length,
+            force=force,
+            flags=flags,
+            echo=self._echo,
+            seconds=0.0 if self.clip is None else self._seconds,
+            skin=skin if self.skin_points else None,
+        )
+
+    @property
+    def _seconds(self) -> float:
+        return 0.0 if self.clip is None else float(self.clip.time[-1] - self.clip.time[0])
+
+    def _now(self) -> tuple[Array, Array, Array, Array, Array | None]:
+        if self.clip is not None:
+            return keepsakes.between(self.clip, self.clip_time, skin=self.skin_points)
+        state = self.state
+        force = muscle_force(self.contraction, state.fibre_length / self.hand.rest_length, self.hand.max_force)
+        return self.contraction, state.angle, state.fibre_length, force, state.skin
+
+    def _play_on(self, passed: float) -> None:
+        self.clip_time += passed
+        if self.clip_time >= self._seconds:
+            if self.loop and self._seconds > 0.0:
+                self.clip_time %= self._seconds
+            else:
+                self.clip_time, self.playing = self._seconds, False
+                self._status()
+
+    def _live_on(self, passed: float) -> None:
+        self.state = step(self.hand, self.state, self.contraction, passed, hold=self.hold)
+        self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed))
+        self._awake = AWAKE if float(np.abs(self.state.speed).max()) > STILL else self._awake - passed
+        if self._recording is not None:
+            self._awake = AWAKE  # standing still belongs to a recording
+
+    # What clients ask for ----------------------------------------------------------------------------------------------
+
+    def message(self, message: Any) -> None:
+        """Do what a client asks. Whatever is wrong with it is answered by one sentence."""
+        try:
+            if not isinstance(message, Mapping):
+                raise TypeError(f"a message is a mapping with a kind, not a {type(message).__name__}")
+            act = ACTS[find(str(message.get("kind")), ACTS, kind="message")]
+            act(self, message)
+            if "n" in message:
+                self._echo = int(number(message["n"], "n"))
+        except (ValueError, LookupError, TypeError, OSError, ArithmeticError, RecursionError) as error:
+            self._answer(" ".join(str(error).split()) or type(error).__name__, good=False)
+
+    def _answer(self, text: str, *, good: bool = True) -> None:
+        reply = {"kind": "answer", "good": good, "text": text[:600]}
+        if reply not in self._replies:
+            self._replies.append(reply)
+
+    def _status(self) -> None:
+        status = {
+            "kind": "status",
+            "clip": self.clip_name,
+            "seconds": self._seconds,
+            "playing": self.playing,
+            "speed": self.speed,
+            "loop": self.loop,
+            "hold": list(self.hold),
+            "recording": self._recording is not None,
+        }
+        for old in [reply for reply in self._replies if reply["kind"] == "status"]:
+            self._replies.remove(old)  # the latest one wins
+        self._replies.append(status)
+        self._stale = True
+
+    def _set(self, message: Mapping[str, Any]) -> None:
+        wanted = message.get("contraction")
+        if not isinstance(wanted, Mapping):
+            raise TypeError("contraction is missing; give muscles with values, like {'FDP2': 0.4}")
+        new = contraction_of(self.hand, wanted)
+        rows = [self.hand.muscle_names.index(self.hand.muscles[name].name) for name in wanted]
+        if self.clip is not None:
+            self._leave()
+        self.contraction = self.contraction.copy()
+        self.contraction[rows] = new[rows]
+        self._awake = AWAKE
+
+    def _leave(self) -> None:
+        """The live hand takes over where the clip is."""
+        if self.clip is None:
+            return
+        contraction, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
+        row = min(int(np.searchsorted(self.clip.time - self.clip.time[0], self.clip_time)), len(self.clip.time) - 1)
+        speed = self.clip.speed[row] if self.playing else np.zeros_like(angle)
+        skin = self.clip.skin(row)
+        self.state, self.contraction = State(self.state.time, angle, speed, length, skin), contraction.copy()
+        self.clip, self.clip_name, self.playing = None, "", False
+        self._history.clear()
+        self._awake = AWAKE
+        self._status()
+
+    def _hold(self, message: Mapping[str, Any]) -> None:
+        joints = message.get("joints")
+        if not isinstance(joints, list | tuple):
+            raise TypeError("joints is missing; give a list of names, like ['wrist']")
+        self.hold = keepsakes.held(self.hand, joints)
+        self._awake = AWAKE
+        if self.clip is not None:
+            time, playing = self.clip_time, self.playing
+            self._open(self.clip_name, again=True)
+            self.clip_time, self.playing = min(time, self._seconds), playing
+        self._status()
+
+    def _play(self, message: Mapping[str, Any]) -> None:
+        if "speed" in message:
+            self.speed = speed_of(message["speed"])
+        self.loop = bool(message.get("loop", self.loop))
+        if message.get("clip"):
+            self._open(str(message["clip"]))
+        if self.clip is None:
+            raise ValueError("no clip is loaded; choose one of " + ", ".join([*clips(), *self.own]))
+        if self.clip_time >= self._seconds:
+            self.clip_time = 0.0
+        self.playing = self._seconds > 0.0
+        self._status()
+
+    def _open(self, name: str, *, again: bool = False) -> None:
+        name = find(name, [*clips(), *self.own], kind="clip")
+        source = self.own.get(name)
+        if isinstance(source, Clip):
+            resimulated = again or bool(self.hold)
+            self.clip = keepsakes.again(source, self.hold) if resimulated and self.hold else source
+        else:
+            self.clip = simulate(self.hand, keyframes(name) if source is None else source, hold=self.hold)
+        self.clip_name, self.clip_time, self.playing, self._recording = name, 0.0, False, None
+        self._stale = True
+
+    def _pause(self, message: Mapping[str, Any]) -> None:
+        self.playing = False
+        self._status()
+
+    def _seek(self, message: Mapping[str, Any]) -> None:
+        t = number(message.get("t"), "t")
+        if not isfinite(t):
+            raise ValueError(f"t is {t:g}; give a time in seconds")
+        if self.clip is None:
+            raise ValueError("no clip is loaded; play one first")
+        self.clip_time = min(max(t, 0.0), self._seconds)
+        self._stale = True
+
+    def _speed(self, message: Mapping[str, Any]) -> None:
+        self.speed = speed_of(message.get("speed"))
+        self._status()
+
+    def _live(self, message: Mapping[str, Any]) -> None:
+        self._leave()
+        self._status()
+
+    def _reset(self, message: Mapping[str, Any]) -> None:
+        self._start_over()
+        self._status()
+
+    def _record(self, message: Mapping[str, Any]) -> None:
+        if message.get("on"):
+            self._leave()
+            self._history.clear()
+            self._recording, self._awake = self.state.time, AWAKE
+            self._status()
+            return
+        if self._recording is None:
+            raise ValueError("nothing is being recorded; press record, move muscles, press it again")
+        self._recording = None
+        self.own[MINE] = keepsakes.recorded(self.hand, self._history, MINE)
+        self._replies.append({"kind": "clips", "clips": self.clips()})
+        self._open(MINE)
+        self._status()
+        self._answer(f"recorded {self._seconds:.1f} s as {MINE!r}; save it to keep it")
+
+    def _save(self, message: Mapping[str, Any]) -> None:
+        what = find(str(message.get("what")), ("pose", "clip"), kind="thing to save")
+        if what == "pose":
+            contraction, angle, _, _, _ = self._now()
+            name, text = "pose.json", keepsakes.pose_text(self.hand, contraction, angle, self.hold)
+        else:
+            name, text = keepsakes.clip_file(self._shown_clip())
+        self._replies.append({"kind": "file", "name": name, "mime": "application/json", "text": text})
+
+    def _load(self, message: Mapping[str, Any]) -> None:
+        file = str(message.get("name") or "this file")[:120]
+        found = keepsakes.read(self.hand, message.get("text"), file)
+        if isinstance(found, KeyFrames):
+            self.own[found.name] = found
+            self._replies.append({"kind": "clips", "clips": self.clips()})
+            self._open(found.name)
+            self._answer(f"loaded the clip {found.name!r}: {self._seconds:.1f} s")
+        else:
+            hold, self.own_state = found.hold, found.state
+            self._leave()
+            self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, hold, AWAKE
+            self._history.clear()
+            self._answer(f"loaded the pose {file!r}")
+        self._status()
+
+    def _export(self, message: Mapping[str, Any]) -> None:
+        kind = find(str(message.get("format")), FORMATS, kind="format")
+        if kind not in self.exports:
+            raise ValueError(f"this viewer does not write .{kind}; it writes {', '.join('.' + one for one in self.exports)}")
+        look = message.get("look")
+        self._wishes.append(Wish(kind, self._shown(still=kind == "png"), dict(look) if isinstance(look, Mapping) else {}, self._file_name()))
+        if kind in ("mp4", "gif"):
+            self._answer(f"drawing the .{kind}; the file comes when it is ready")
+
+    def _file_name(self) -> str:
+        return "".join(c if c.isalnum() or c in "-_" else "-" for c in self.clip_name) or "hand"
+
+    def _shown(self, *, still: bool) -> Story:
+        if still or (self.clip is None and len(self._history) < 2):
+            contraction, angle, length, _, _ = self._now()
+            time = self.state.time if self.clip is None else self.clip_time
+            return story(keepsakes.single(self.hand, time, contraction, angle))
+        return story(self._shown_clip())
+
+    def _shown_clip(self) -> Clip:
+        if self.clip is not None:
+            return self.clip
+        if len(self._history) < 2:
+            raise ValueError("there is no motion yet; play a clip or move a muscle first")
+        return keepsakes.history_clip(self.hand, self._history, "live")
+
+
+def speed_of(value: Any) -> float:
+    """A speed that a hand can be watched at."""
+    speed = number(value, "speed")
+    if not SLOWEST <= speed <= FASTEST:
+        raise ValueError(f"speed is {speed:g}; it lies between {SLOWEST:g} and {FASTEST:g} (1 is real time)")
+    return speed
+
+
+ACTS = {
+    "set": Session._set,
+    "hold": Session._hold,
+    "play": Session._play,
+    "pause": Session._pause,
+    "seek": Session._seek,
+    "speed": Session._speed,
+    "live": Session._live,
+    "reset": Session._reset,
+    "record": Session._record,
+    "save": Session._save,
+    "load": Session._load,
+    "export": Session._export,
+}
