@@ -21,6 +21,7 @@ from handlab.simulation.state import State
 
 MOST_TEXT = 5_000_000  # characters of a file that is loaded; a minute of all muscles needs less than one
 KEYS_PER_SECOND = 20
+MOST_TRACK_ROWS = 240
 LONGEST_CLIP = 600.0  # seconds: what is loaded must not stop the hand for long
 
 Moments = Iterable[tuple[float, Array, Array, Array]]
@@ -54,6 +55,13 @@ def between(clip: Clip, time: float, *, skin: bool = False) -> tuple[Array, Arra
         (1.0 - share) * values[left] + share * values[right] for values in (clip.contraction, clip.angle, clip.fibre_length, clip.force)
     ]
     return mixed[0], mixed[1], mixed[2], mixed[3], blend(clip.hand, mixed[1]) if skin else None
+
+
+def track(clip: Clip, most: int = MOST_TRACK_ROWS) -> bytes:
+    """The curves of a clip: float32 rows of time, fibre lengths (muscle,) and angles (dof,), at most ``most`` of them."""
+    rows = np.unique(np.linspace(0, len(clip.time) - 1, min(len(clip.time), most)).round().astype(int))
+    table = np.column_stack([clip.time[rows] - clip.time[0], clip.fibre_length[rows], clip.angle[rows]])
+    return table.astype("<f4").tobytes()
 
 
 def keys_of(time: Array, contraction: Array, hand: Hand, name: str) -> KeyFrames:
@@ -175,7 +183,8 @@ def read_clip(hand: Hand, content: dict[str, Any], file: str) -> KeyFrames:
     if "time" in content["contraction"]:
         raise ValueError('"time" stands beside "contraction", not in it')
     name = str(content.get("name") or file.rpartition(".")[0] or "clip")[:80]
-    keys = KeyFrames.from_mapping({"time": content["time"], **content["contraction"]}, name=name, title=str(content.get("title", name))[:200])
+    tracks = {"time": content["time"], **content["contraction"]}
+    keys = KeyFrames.from_mapping(tracks, name=name, title=str(content.get("title", name))[:200])
     if keys.time[-1] > LONGEST_CLIP:
         raise ValueError(f"the clip lasts {keys.time[-1]:g} s; the longest that is played is {LONGEST_CLIP:g} s")
     if keys.time[-1] <= 0.0:

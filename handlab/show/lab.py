@@ -17,15 +17,19 @@ PATTERN = "[0-9][0-9]_*.ipynb"
 
 @dataclass(frozen=True)
 class Copied:
-    """What happened to the notebooks: ``new`` were copied, ``kept`` were there already and were not touched."""
+    """What happened to the notebooks: ``new`` were copied, ``kept`` were there already and were not touched.
+
+    ``changed`` are those of ``kept`` that differ from the lesson as it comes with the package.
+    """
 
     new: tuple[Path, ...]
     kept: tuple[Path, ...]
+    changed: tuple[Path, ...]
 
     def __str__(self) -> str:
         """One line each."""
-        lines = [f"new   {path}" for path in self.new] + [f"kept  {path}" for path in self.kept]
-        return "\n".join(lines)
+        kept = [f"kept  {path}{'  (yours; --fresh puts a new copy beside it)' * (path in self.changed)}" for path in self.kept]
+        return "\n".join([*kept, *(f"new   {path}" for path in self.new)])
 
 
 def lab(*, folder: Path = FOLDER, fresh: bool = False, browser: bool = True, port: int | None = None, start: bool = True) -> int:
@@ -71,7 +75,7 @@ def copy_lessons(folder: Path, *, fresh: bool = False) -> Copied:
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file; give the lessons a folder, such as --folder {FOLDER}")
     folder.mkdir(parents=True, exist_ok=True)
-    new, kept = [], []
+    new, kept, changed = [], [], []
     for source in notebooks():
         content = source.read_bytes()
         target = folder / source.name
@@ -79,9 +83,10 @@ def copy_lessons(folder: Path, *, fresh: bool = False) -> Copied:
             new.append(target)
             continue
         kept.append(target)
-        if fresh and target.read_bytes() != content:
-            new.append(beside(target, content))
-    return Copied(tuple(new), tuple(kept))
+        if not target.is_file() or target.read_bytes() != content:
+            changed.append(target)
+            new += [beside(target, content)] if fresh else []
+    return Copied(tuple(new), tuple(kept), tuple(changed))
 
 
 def beside(target: Path, content: bytes) -> Path:
@@ -89,7 +94,7 @@ def beside(target: Path, content: bytes) -> Path:
     k = 1
     while True:
         name = target.with_stem(f"{target.stem}_fresh" + (f"_{k}" if k > 1 else ""))
-        if create(name, content) or name.read_bytes() == content:
+        if create(name, content) or (name.is_file() and name.read_bytes() == content):
             return name
         k += 1
 

@@ -122,7 +122,7 @@ class MusclePanel:
         made = {}
         for name, muscle in self.muscles.items():
             slider = ipywidgets.FloatSlider(
-                value=self._contraction[name], min=0.0, max=1.0, step=0.01, description=name, description_tooltip=muscle.latin
+                value=self._contraction[name], min=0.0, max=1.0, step=0.01, description=name, tooltip=muscle.latin
             )
             self._follow(slider, OnMain(partial(self._slid, name)))
             made[name] = slider

@@ -12,7 +12,7 @@ from handlab.show.moments import Story, story
 from handlab.show.outputs import checked
 from handlab.simulation.writing import whole_file
 
-FORMATS = (".mp4", ".gif", ".png", ".csv")
+FORMATS = (".mp4", ".gif", ".png", ".csv", ".glb", ".html")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -30,7 +30,8 @@ def save(
 ) -> Path:
     """Write a clip, a hand (relaxed), a state (say whose: ``hand=``) or a figure to ``path``; the path it went to.
 
-    ``.mp4`` and ``.gif`` are films, ``.png`` is a still or the moments of a clip, ``.csv`` is a clip's table.
+    ``.mp4`` and ``.gif`` are films, ``.png`` is a still or the moments of a clip, ``.csv`` is a clip's table, ``.glb`` is animated
+    glTF (skin and bones), ``.html`` is one page that plays offline in any browser.
     Several views stand beside each other, several skins below each other: ``view=["palm", "back"], skin=["solid", "translucent"]``.
     ``muscles`` lists the contracting muscles by group, with percent and newtons. ``size`` is width and height in pixels of the
     whole picture, ``fps`` frames per second; the motion is the same at any rate.
@@ -84,4 +85,16 @@ def _csv(told: Story, out: Path, plan: Any, fps: float) -> None:
         told.clip.to_csv(temporary)
 
 
-WRITERS = {".mp4": _mp4, ".gif": _gif, ".png": _png, ".csv": _csv}
+def _glb(told: Story, out: Path, plan: Any, fps: float) -> None:
+    from handlab.show.gltf import write_glb
+
+    write_glb(told, out, fps)
+
+
+def _html(told: Story, out: Path, plan: Any, fps: float) -> None:
+    from handlab.show.page import write_html
+
+    write_html(told, out, view=plan.views[0], skin=plan.skins[0], bones=plan.bones)
+
+
+WRITERS = {".mp4": _mp4, ".gif": _gif, ".png": _png, ".csv": _csv, ".glb": _glb, ".html": _html}

@@ -29,7 +29,8 @@ Messages, client to host (``n``, a number that the next frame echoes, may stand 
 
 Replies, host to client: ``status`` (after every change: ``clip``, ``title``, ``seconds``, ``playing``, ``speed``, ``loop``,
 ``hold``, ``recording``), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
-``file`` (``name``, ``mime``, and ``text`` or ``data``).
+``file`` (``name``, ``mime``, and ``text`` or ``data``), ``track`` (``clip``, ``seconds``, ``data``: the curves of a clip that was
+opened, see ``keepsakes.track``).
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ from handlab.show.moments import Story, story
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips, keyframes
 from handlab.simulation.play import simulate
-from handlab.simulation.skeleton import contraction_of, fibre_lengths, held_coordinates, number, rest, step
+from handlab.simulation.skeleton import contraction_of, number, rest, step
+from handlab.simulation.skin import blend
 from handlab.simulation.state import State
 
 LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
@@ -104,9 +106,9 @@ class Session:
             self.contraction = contraction_of(hand, contraction)
             self._awake = AWAKE
         if isinstance(start, Clip):
-            self._given = start.name or "clip"
-            self.own[self._given] = start
-            self._open(self._given)
+            name = start.name or "clip"
+            self.own[name] = start
+            self._open(name)
         elif start is not None:
             self.state = start
 
@@ -129,11 +131,14 @@ class Session:
         """What stays, for a new client; a ``refresh`` and a ``status`` go with it."""
         self.refresh()
         self._status()
+        if self.clip is not None:
+            self._tell_track()
         return wire.scene(self.hand, shown_clips=self.clips(), exports=self.exports)
 
     def clips(self) -> list[dict[str, Any]]:
         """Clips that can be played: the package's, then the user's."""
-        return [*wire.named_clips(), *({"name": name, "title": name, "seconds": float(clip.time[-1])} for name, clip in self.own.items())]
+        own = [{"name": name, "title": name, "seconds": float(clip.time[-1] - clip.time[0])} for name, clip in self.own.items()]
+        return [*(clip for clip in wire.named_clips() if clip["name"] not in self.own), *own]
 
     def refresh(self) -> None:
         """Let the next tick give a frame, and a status with it, though nothing moves."""
@@ -150,6 +155,26 @@ class Session:
         asked = list(self._wishes)
         self._wishes.clear()
         return asked
+
+    def replies_kept(self) -> list[dict[str, Any]]:
+        """What ``replies`` will give, which stays there."""
+        return list(self._replies)
+
+    def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
+        """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""
+        self._leave()
+        self.state, self._awake = state, 0.0
+        self._history.clear()
+        self._stale = True
+        if contraction is not None:
+            self.contraction, self._awake = contraction_of(self.hand, contraction), AWAKE
+
+    def present(self) -> State:
+        """The hand as it stands."""
+        if self.clip is None:
+            return self.state
+        _, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
+        return State(self.clip_time, angle, np.zeros_like(angle), length, blend(self.hand, angle))
 
     @property
     def moving(self) -> bool:
@@ -307,7 +332,14 @@ class Session:
         else:
             self.clip = simulate(self.hand, keyframes(name) if source is None else source, hold=self.hold)
         self.clip_name, self.clip_time, self.playing, self._recording = name, 0.0, False, None
+        self._tell_track()
         self._stale = True
+
+    def _tell_track(self) -> None:
+        for old in [reply for reply in self._replies if reply["kind"] == "track"]:
+            self._replies.remove(old)
+        if self.clip is not None:
+            self._replies.append({"kind": "track", "clip": self.clip_name, "seconds": self._seconds, "data": keepsakes.track(self.clip)})
 
     def _pause(self, message: Mapping[str, Any]) -> None:
         self.playing = False
@@ -368,9 +400,8 @@ class Session:
             self._open(found.name)
             self._answer(f"loaded the clip {found.name!r}: {self._seconds:.1f} s")
         else:
-            hold, self.own_state = found.hold, found.state
             self._leave()
-            self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, hold, AWAKE
+            self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, found.hold, AWAKE
             self._history.clear()
             self._answer(f"loaded the pose {file!r}")
         self._status()
@@ -380,7 +411,8 @@ class Session:
         if kind not in self.exports:
             raise ValueError(f"this viewer does not write .{kind}; it writes {', '.join('.' + one for one in self.exports)}")
         look = message.get("look")
-        self._wishes.append(Wish(kind, self._shown(still=kind == "png"), dict(look) if isinstance(look, Mapping) else {}, self._file_name()))
+        asked = dict(look) if isinstance(look, Mapping) else {}
+        self._wishes.append(Wish(kind, self._shown(still=kind == "png"), asked, self._file_name()))
         if kind in ("mp4", "gif"):
             self._answer(f"drawing the .{kind}; the file comes when it is ready")
 
@@ -389,7 +421,7 @@ class Session:
 
     def _shown(self, *, still: bool) -> Story:
         if still or (self.clip is None and len(self._history) < 2):
-            contraction, angle, length, _, _ = self._now()
+            contraction, angle, _, _, _ = self._now()
             time = self.state.time if self.clip is None else self.clip_time
             return story(keepsakes.single(self.hand, time, contraction, angle))
         return story(self._shown_clip())

@@ -81,7 +81,12 @@ def describe(hand: Hand) -> dict[str, Any]:
             for muscle, length, force, arms in zip(hand.muscles.values(), hand.rest_length, hand.max_force, hand.lever_arm, strict=True)
         ],
         "joints": [
-            {"name": joint.name, "title": joint.english, "digit": digit_of(joint.name), "dofs": [hand.dof_names.index(dof.name) for dof in joint.dofs]}
+            {
+                "name": joint.name,
+                "title": joint.english,
+                "digit": digit_of(joint.name),
+                "dofs": [hand.dof_names.index(dof.name) for dof in joint.dofs],
+            }
             for joint in hand.joints.values()
             if joint.dofs
         ],

@@ -29,10 +29,19 @@ def copy(tmp_path):
     return shutil.copytree(REFERENCE, tmp_path / "copy")
 
 
+def held(folder):
+    """Names in a folder, hidden ones too."""
+    return sorted(path.name for path in folder.iterdir())
+
+
 def differences(one, other, place="hand"):
     """Where two records differ in any bit."""
     if is_dataclass(one):
-        return [found for field in fields(one) for found in differences(getattr(one, field.name), getattr(other, field.name), f"{place}.{field.name}")]
+        return [
+            found
+            for field in fields(one)
+            for found in differences(getattr(one, field.name), getattr(other, field.name), f"{place}.{field.name}")
+        ]
     if isinstance(one, np.ndarray):
         same = one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
         return [] if same else [place]
@@ -58,8 +67,8 @@ def test_a_saved_hand_comes_back_to_the_last_bit(tmp_path, side, reading):
     assert differences(hand, again) == []
     for name in ("lever_arm", "rest_length", "max_force", "limits", "coupling", "coupling_offset"):
         np.testing.assert_array_equal(getattr(again, name), getattr(hand, name))
-    assert sorted(os.listdir(tmp_path / "mine")) == ["hand.glb", "hand.json"]
-    assert os.listdir(tmp_path) == ["mine"]
+    assert held(tmp_path / "mine") == ["hand.glb", "hand.json"]
+    assert held(tmp_path) == ["mine"]
 
 
 def test_differences_would_be_seen(hand):
@@ -83,13 +92,15 @@ def test_the_saved_meshes_are_those_that_the_tools_wrote(tmp_path, hand):
     for name, arrays in there.items():
         assert set(arrays) == set(here[name])
         for key, values in arrays.items():
-            np.testing.assert_allclose(here[name][key], values, atol=1e-6)
+            np.testing.assert_allclose(here[name][key], values, atol=3e-6)
 
 
 def test_settings_are_saved_with_the_hand(tmp_path, hand):
     rest = np.array(hand.fibre_rest)
     rest[5] += 0.1
-    mine = hand.with_newton_per_percent(25.0).with_(friction=0.03, fibre_rest=frozen(rest), stiffness=frozen(0.5 * hand.stiffness), name="mine")
+    mine = hand.with_newton_per_percent(25.0).with_(
+        friction=0.03, fibre_rest=frozen(rest), stiffness=frozen(0.5 * hand.stiffness), name="mine"
+    )
     mine.save(tmp_path / "mine")
     again = handlab.load_hand(tmp_path / "mine")
     assert differences(mine, again) == []
@@ -145,7 +156,7 @@ def test_a_hand_that_its_files_cannot_give_back_is_refused_and_nothing_is_writte
         hand.with_(muscles=hand.muscles.with_items(weaker)).save(tmp_path / "mine")
     with pytest.raises(ValueError, match=r"skin\.points"):
         hand.with_(skin=replace(hand.skin, points=frozen(hand.skin.points * np.nan))).save(tmp_path / "mine")
-    assert os.listdir(tmp_path) == []
+    assert held(tmp_path) == []
 
 
 def test_an_older_hand_is_replaced_whole_and_survives_a_failure(tmp_path, hand, monkeypatch):
@@ -161,7 +172,7 @@ def test_an_older_hand_is_replaced_whole_and_survives_a_failure(tmp_path, hand, 
     with pytest.raises(OSError, match="No space left"):
         hand.save(place)
     assert handlab.load_hand(place).side == "left"
-    assert os.listdir(tmp_path) == ["mine"]
+    assert held(tmp_path) == ["mine"]
 
 
 def test_when_the_new_folder_cannot_take_its_place_the_old_one_comes_back(tmp_path, hand, monkeypatch):
@@ -178,7 +189,7 @@ def test_when_the_new_folder_cannot_take_its_place_the_old_one_comes_back(tmp_pa
     with pytest.raises(PermissionError):
         handlab.load_hand(side="left").save(place)
     assert handlab.load_hand(place).side == "right"
-    assert os.listdir(tmp_path) == ["mine"]
+    assert held(tmp_path) == ["mine"]
 
 
 def test_a_folder_with_other_things_a_file_and_a_missing_place_are_refused(tmp_path, hand):
@@ -266,7 +277,7 @@ def test_a_mesh_file_that_lacks_something_is_named(copy, change):
 
 def test_garbage_instead_of_meshes_is_named(copy):
     (copy / "hand.glb").write_bytes(np.random.default_rng(0).bytes(5000))
-    with pytest.raises(ValueError, match="not a complete glTF 2.0 binary file"):
+    with pytest.raises(ValueError, match=r"not a complete glTF 2\.0 binary file"):
         handlab.load_hand(copy)
 
 

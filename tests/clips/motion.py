@@ -11,6 +11,7 @@ import handlab
 from handlab.studies import measures
 
 FPS = 10  # samples along the motion: one every 0.1 s
+STAYS = 0.3  # seconds of constant contraction that count as holding
 FINGERS = (2, 3, 4, 5)
 
 
@@ -38,14 +39,15 @@ class Motion:
 
     @cached_property
     def clip(self):
-        return handlab.simulate(hand(), self.name, fps=FPS)
+        return handlab.simulate(hand(), self.keys, fps=FPS)
 
     @cached_property
     def held(self):
-        """Frames at the end of every stretch of constant contraction."""
+        """Frames at the end of every stretch of constant contraction, or the last one if the hand never rests."""
         keys = self.keys
         still = (np.abs(np.diff(keys.contraction, axis=0)).max(axis=1) < 1e-9) & (keys.contraction[1:].max(axis=1) > 0)
-        return [int(np.floor(time * FPS + 1e-6)) for time in keys.time[1:][still]]
+        long = np.diff(keys.time) >= STAYS
+        return [int(np.floor(time * FPS + 1e-6)) for time in keys.time[1:][still & long]] or [len(self.clip) - 1]
 
     @cached_property
     def flesh(self):

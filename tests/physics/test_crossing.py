@@ -23,7 +23,7 @@ def test_a_ball_does_not_cross_itself(ball):
 @pytest.mark.parametrize("shift", [0.005, 0.019, 0.0399])
 def test_two_balls_cross_where_both_surfaces_meet(ball, shift):
     points, faces = ball
-    two = np.vstack([points, points + [shift, 0.0003, 0.0001]])
+    two = np.vstack([points, points + np.array([shift, 0.0003, 0.0001])])
     found = self_crossings(two, np.vstack([faces, faces + len(points)]), FLAT)
     cut = pv.Icosphere(radius=0.02, nsub=3)
     other = cut.copy()
@@ -39,7 +39,7 @@ def test_two_balls_cross_where_both_surfaces_meet(ball, shift):
 
 def test_two_balls_apart_do_not_cross(ball):
     points, faces = ball
-    assert not self_crossings(np.vstack([points, points + [0.041, 0, 0]]), np.vstack([faces, faces + len(points)]), FLAT).any()
+    assert not self_crossings(np.vstack([points, points + np.array([0.041, 0, 0])]), np.vstack([faces, faces + len(points)]), FLAT).any()
 
 
 def test_one_point_pushed_through_the_other_side_is_found(ball):
@@ -90,14 +90,14 @@ TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 @pytest.mark.parametrize(
     ("other", "overlap"),
     [
-        (TRIANGLE + [0.3, 0.3], True),
+        (TRIANGLE + np.array([0.3, 0.3]), True),
         (TRIANGLE * 0.2 + [0.1, 0.1], True),  # one inside the other
-        (TRIANGLE[::-1] + [0.1, 0.0], True),  # whichever way round
-        (TRIANGLE + [1.0, 0.0], False),  # corner to corner
+        (TRIANGLE[::-1] + np.array([0.1, 0.0]), True),  # whichever way round
+        (TRIANGLE + np.array([1.0, 0.0]), False),  # corner to corner
         (np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), False),  # side by side
         (np.array([[1.0 - 1e-3, 0.0], [1.0, 1.0], [0.0, 1.0 - 1e-3]]), True),  # the same, a thousandth too near
-        (TRIANGLE + [0.8, 0.8], False),  # boxes overlap, triangles do not
-        (TRIANGLE + [5.0, 0.0], False),
+        (TRIANGLE + np.array([0.8, 0.8]), False),  # boxes overlap, triangles do not
+        (TRIANGLE + np.array([5.0, 0.0]), False),
     ],
 )
 def test_triangles_overlap_when_no_line_parts_them(other, overlap):
@@ -113,7 +113,9 @@ def test_overlaps_among_many_triangles_are_those_that_sampling_finds():
     inside = np.zeros((60, *x.shape), dtype=bool)
     for t, (a, b, c) in enumerate(many):
         sign = np.sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-        inside[t] = np.all([sign * ((q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])) > 0 for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        inside[t] = np.all(
+            [sign * ((q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])) > 0 for p, q in ((a, b), (b, c), (c, a))], axis=0
+        )
     twice = inside.sum(axis=0) > 1
     sampled = np.array([(inside[t] & twice).any() for t in range(60)])
     assert not (sampled & ~found).any()

@@ -1,27 +1,16 @@
-"""Distances and depths that judge the clips, against VTK and against shapes whose answer is known."""
+"""Measures of a posture against VTK, on the real hand pushed into itself by known amounts."""
 
 import numpy as np
 import pytest
 import pyvista as pv
+import trimesh
 
 import handlab
-from handlab.anatomy.records import Skin, frozen
-from handlab.physics.distance import winding
+from handlab.anatomy.mirror import mirrored
 from handlab.simulation.kinematics import posed_bone
-from handlab.simulation.skeleton import pose, rest
-from handlab.simulation.skin import blend
 from handlab.studies import measures
 
-PINCH = {
-    "cmc1.flexion_opposition": 22,
-    "cmc1.abduction_adduction": 40,
-    "mcp1.flexion_extension": 15,
-    "ip1.flexion_extension": 20,
-    "mcp2.flexion_extension": 40,
-    "pip2.flexion_extension": 45,
-    "dip2.flexion_extension": 25,
-}
-CRUSHED = {f"{joint}{k}.flexion_extension": degrees for k in (2, 3, 4, 5) for joint, degrees in (("mcp", 90), ("pip", 110), ("dip", 85))}
+MM = 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -29,157 +18,191 @@ def hand():
     return handlab.load_hand()
 
 
-def posed(hand, degrees):
-    return pose(hand, {name: np.deg2rad(value) for name, value in degrees.items()}).angle
+@pytest.fixture(scope="module")
+def skin(hand):
+    return np.array(hand.skin.points)
 
 
-def vtk(points, faces):
-    return pv.make_tri_mesh(np.array(points), np.array(faces))
+def poly(points, faces):
+    return pv.PolyData(np.array(points), np.hstack([np.full((len(faces), 1), 3), faces]).ravel())
 
 
-def distance_by_vtk(surface, points):
-    """Distance to a surface, without sign."""
-    _, nearest = surface.find_closest_cell(points, return_closest_point=True)
-    return np.linalg.norm(nearest - points, axis=1)
+def depth(points, mesh):
+    """VTK: how deep points lie in a closed surface."""
+    return -np.asarray(pv.PolyData(np.array(points)).compute_implicit_distance(mesh)["implicit_distance"])
 
 
-def crossings(points, corners, direction):
-    """Winding number by counting the triangles that a ray leaves through, minus those that it enters through (Moeller, Trumbore)."""
-    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    p = np.cross(direction, v)
-    det = np.einsum("ij,ij->i", u, p)
-    count = []
-    for point in points:
-        t = point - a
-        q = np.cross(t, u)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            s, r, far = np.einsum("ij,ij->i", t, p) / det, (q @ direction) / det, np.einsum("ij,ij->i", v, q) / det
-        hit = (s >= 0) & (r >= 0) & (s + r <= 1) & (far > 0)
-        count.append(-np.sign(det[hit]).sum())  # out through a triangle whose normal goes along
-    return np.array(count)
+def between(one, other):
+    """VTK: least distance of points to a surface that need not be closed."""
+    _, near = other.find_closest_cell(np.array(one), return_closest_point=True)
+    return np.linalg.norm(one - near, axis=1)
 
 
-def test_the_winding_number_counts_how_often_a_point_is_inside(hand):
-    """A hand crushed beyond what flesh allows winds twice about some places; rays count the same."""
-    skin = blend(hand, posed(hand, CRUSHED))
-    corners = np.ascontiguousarray(skin[hand.skin.faces])
-    rng = np.random.default_rng(4)
-    points = skin[rng.integers(0, len(skin), 400)] + rng.normal(0.0, 0.003, (400, 3))
-    direction = np.array([0.31, -0.74, 0.59])
-    counted = crossings(points, corners, direction)
-    assert set(np.unique(counted)) >= {0.0, 1.0, 2.0}
-    np.testing.assert_allclose(winding(points, corners), counted, atol=1e-6)
+def patch(hand, skin, k):
+    return poly(skin, hand.skin.faces[measures.segment_faces(hand)[f"distal_phalanx_{k}"]])
 
 
-@pytest.mark.parametrize("overlap", [0.0005, 0.002, 0.006])
-def test_two_balls_are_as_deep_in_one_another_as_their_centres_say(hand, overlap):
-    """Analytic: radii r + s minus the distance of the centres, at the points on the line between them."""
-    ball = pv.Icosphere(radius=0.02, nsub=4)
-    one, faces = np.array(ball.points, dtype=float), ball.faces.reshape(-1, 4)[:, 1:]
-    pole = one[np.argmax(one[:, 0])] / 0.02  # a point of the mesh, so that the deepest place is one of its points
-    other = -one + pole * (0.04 - overlap)
-    skin = np.vstack([one, other])
-    both = np.vstack([faces, faces[:, ::-1] + len(one)])
-    made = hand.with_(skin=Skin(frozen(skin), frozen(both, np.int64), hand.skin.weights))
-    depth = measures.flesh_depth(made, skin)
-    assert depth.max() == pytest.approx(overlap, abs=1.5e-4)
-    reach = np.sqrt(0.02**2 - (0.02 - overlap / 2) ** 2)  # of the lens about the line
-    touched = depth > 0
-    across = np.linalg.norm(skin[touched] - np.outer(skin[touched] @ pole, pole), axis=1)
-    assert touched.any() and across.max() < reach + 1e-3
-    assert not measures.flesh_depth(made, np.vstack([one, other + pole * (overlap + 0.001)])).any()
+def shifted(hand, skin, k, by):
+    """The skin with one fingertip carried off, and the points that were carried."""
+    moved = skin.copy()
+    carried = np.flatnonzero(hand.skin.weights[:, hand.body_names.index(f"distal_phalanx_{k}")] > 0.5)
+    moved[carried] += by
+    return moved, carried
 
 
-def test_flesh_is_nowhere_in_flesh_in_the_relaxed_hand_and_deep_in_a_crushed_one(hand):
-    assert measures.flesh_depth(hand, rest(hand).skin).max() < 0.0005
-    assert measures.flesh_depth(hand, blend(hand, posed(hand, CRUSHED))).max() > 0.004
+def fingertip(hand, skin, m):
+    """The last two segments of a finger as a closed surface of their own."""
+    faces = measures.segment_faces(hand)
+    own = np.unique(np.concatenate([faces[f"{kind}_phalanx_{m}"] for kind in ("middle", "distal")]))
+    return poly(skin, hand.skin.faces[own]).clean().fill_holes(0.1).compute_normals(auto_orient_normals=True, split_vertices=False)
 
 
-def test_the_depth_of_flesh_in_flesh_is_the_distance_that_vtk_finds_to_the_skin_on_the_other_side(hand):
-    """Fingertips crushed into the palm: points of a fingertip inside the rest, with the digit itself cut away."""
-    skin = blend(hand, posed(hand, CRUSHED))
-    depth = measures.flesh_depth(hand, skin)
-    main = np.array(hand.body_names)[hand.skin.weights.argmax(axis=1)]
-    palm = np.isin(main, measures.PALM)[hand.skin.faces].all(axis=1)
-    surface = vtk(skin, hand.skin.faces[palm])
-    deep = np.flatnonzero((depth > 0.0015) & np.char.startswith(main, "distal_phalanx"))
-    assert len(deep) >= 5
-    by_vtk = distance_by_vtk(surface, skin[deep])
-    apart = np.abs(depth[deep] - by_vtk)
-    # another finger's skin may be nearer than the palm's, and VTK also takes skin that looks away
-    assert np.mean(apart < 1e-6) > 0.85 and apart.max() < 0.002
+def into(hand, skin, k, m, overlap):
+    """By how much fingertip ``k`` must be carried towards fingertip ``m`` so that its deepest point lies ``overlap`` deep in it."""
+    own, other = (skin[measures.pulps(hand)[i]].mean(axis=0) for i in (k, m))
+    towards = (other - own) / np.linalg.norm(other - own)
+    closed, (_, carried) = fingertip(hand, skin, m), shifted(hand, skin, k, 0.0)
+    low, high = 0.0, float(np.linalg.norm(other - own))
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if depth(skin[carried] + middle * towards, closed).max() < overlap else (low, middle)
+    return low * towards
 
 
-@pytest.mark.parametrize("second", [2, 3])
-def test_the_gap_between_two_pulps_is_the_distance_that_vtk_finds(hand, second):
-    skin = blend(hand, posed(hand, PINCH))
-    pulp, faces = measures.pulps(hand), measures.segment_faces(hand)
-    expected = min(
-        distance_by_vtk(vtk(skin, hand.skin.faces[faces[f"distal_phalanx_{other}"]]), skin[pulp[one]]).min()
-        for one, other in ((1, second), (second, 1))
-    )
-    assert expected > 0.001
-    assert measures.pulp_gap(hand, skin, 1, second) == pytest.approx(expected, abs=2e-6)
+# ---------------------------------------------------------------- normals and pulps
 
 
-def test_the_gap_shrinks_steadily_to_less_than_nothing_as_one_pulp_is_pushed_into_the_other(hand):
-    gap = [
-        measures.pulp_gap(hand, blend(hand, posed(hand, PINCH | {"mcp2.flexion_extension": 40 + more})), 1, 2) for more in range(0, 13, 2)
-    ]
-    assert max(gap) > 0.003 and min(gap) < -0.001
-    assert np.all(np.diff(gap) < 0.0) and np.all(np.diff(gap) > -0.003)  # no jump where it changes its sign
+def test_vertex_normals_point_outwards_and_are_weighted_by_area(hand, skin):
+    found = measures.vertex_normals(skin, hand.skin.faces)
+    faces = trimesh.Trimesh(skin, hand.skin.faces, process=False)
+    for i in np.linspace(0, len(skin) - 1, 60).astype(int):
+        mine = (hand.skin.faces == i).any(axis=1)
+        expected = (faces.area_faces[mine, None] * faces.face_normals[mine]).sum(axis=0)
+        np.testing.assert_allclose(found[i], expected / np.linalg.norm(expected), atol=1e-9)
+    assert (depth(skin + 0.0005 * found, poly(skin, hand.skin.faces)) < 0).mean() > 0.995
 
 
-@pytest.mark.parametrize("turned", [{}, {"cmc1.flexion_opposition": 32, "cmc1.abduction_adduction": 15, "ip1.flexion_extension": -10}])
-def test_facing_is_the_angle_that_normals_from_vtk_give(hand, turned):
-    skin = blend(hand, posed(hand, PINCH | turned))
-    normal = vtk(skin, hand.skin.faces).compute_normals(split_vertices=False, auto_orient_normals=False, consistent_normals=False)
-    one, other = (np.array(normal.point_data["Normals"])[measures.pulps(hand)[k]].sum(axis=0) for k in (1, 2))
-    expected = np.arccos(-one @ other / np.linalg.norm(one) / np.linalg.norm(other))
-    assert np.rad2deg(abs(measures.facing(hand, skin, 1, 2) - expected)) < 4.0  # VTK weights its normals otherwise
+def test_digits_have_numbers_and_names():
+    assert [measures.digit_number(name) for name in ("thumb", "index", "middle", "ring", "little", 4)] == [1, 2, 3, 4, 5, 4]
 
 
-def test_pulps_that_look_the_same_way_face_each_other_by_180_degrees(hand):
-    skin = np.array(rest(hand).skin)
-    normal = measures.pulp_normal(hand, skin, 1)
-    assert np.linalg.norm(normal) == pytest.approx(1.0)
-    assert measures.facing(hand, skin, 1, 1) == pytest.approx(np.pi)
-
-
-def test_bones_enter_one_another_as_deep_as_vtk_says(hand):
-    """Joints turned past what they allow: the deepest point of either bone in the other, and no pair is overlooked."""
-    angle = np.array(rest(hand).angle)
-    for name, degrees in (
-        ("pip3.flexion_extension", 150),
-        ("mcp2.deviation", 45),
-        ("cmc1.abduction_adduction", -60),
-        ("ip1.flexion_extension", -50),
-    ):
-        angle[hand.dof_names.index(name)] = np.deg2rad(degrees)
-    found = measures.bone_depths(hand, angle)
-    surfaces = {name: vtk(posed_bone(hand, name, angle), bone.faces) for name, bone in hand.bones.items()}
-    expected = {}
-    for a in hand.bones:
-        for b in hand.bones:
-            if a < b and hand.bones[a].body != hand.bones[b].body:
-                depth = max(
-                    -pv.PolyData(surfaces[one].points).compute_implicit_distance(surfaces[other])["implicit_distance"].min()
-                    for one, other in ((a, b), (b, a))
-                )
-                if depth > 1e-5:
-                    expected[frozenset((a, b))] = depth
-    assert len(expected) >= 2 and max(expected.values()) > 0.001
-    got = {frozenset(pair): depth for pair, depth in found.items() if depth > 1e-5}
-    assert got.keys() == expected.keys()
-    for pair, depth in expected.items():
-        assert got[pair] == pytest.approx(depth, abs=2e-5)
-
-
-def test_the_pulps_are_palmar_skin_of_the_last_phalanges(hand):
+def test_a_pulp_is_the_palmar_side_of_its_fingertip(hand, skin):
+    normals = trimesh.Trimesh(skin, hand.skin.faces, process=False).vertex_normals
     for k, points in measures.pulps(hand).items():
-        assert 5 <= len(points) <= 30
         bone = hand.bones[f"distal_phalanx_{k}"].points
-        distance = distance_by_vtk(vtk(bone, hand.bones[f"distal_phalanx_{k}"].faces), hand.skin.points[points])
-        assert distance.min() > 0.001 and distance.max() < 0.012
-        assert measures.digit_number(k) == k
-    assert measures.digit_number("thumb") == 1 and measures.digit_number("little") == 5
+        assert 5 <= len(points) <= 40
+        assert np.linalg.norm(skin[points] - bone.mean(axis=0), axis=1).max() < 20 * MM
+        if k > 1:  # fingers lie nearly flat: palmar is y
+            assert normals[points, 1].mean() > 0.6
+            assert skin[points, 1].mean() > bone[:, 1].mean() + 3 * MM
+        assert (hand.skin.weights[points, hand.body_names.index(f"distal_phalanx_{k}")] > 0.9).all()
+
+
+def test_every_triangle_moves_mainly_with_some_body(hand):
+    faces = measures.segment_faces(hand)
+    assert set(faces) == set(hand.body_names)
+    np.testing.assert_array_equal(np.unique(np.concatenate(list(faces.values()))), np.arange(len(hand.skin.faces)))
+    thumb = hand.skin.points[hand.skin.faces[faces["distal_phalanx_1"]]].mean(axis=(0, 1))
+    assert np.linalg.norm(thumb - hand.bones["distal_phalanx_1"].points.mean(axis=0)) < 8 * MM
+
+
+# ---------------------------------------------------------------- gaps between fingertips
+
+
+@pytest.mark.parametrize(("k", "m"), [(1, 2), (2, 3), (3, 4), (1, 5)])
+def test_the_gap_of_open_fingertips_is_the_distance_of_their_surfaces(hand, skin, k, m):
+    expected = min(
+        between(skin[measures.pulps(hand)[k]], patch(hand, skin, m)).min(),
+        between(skin[measures.pulps(hand)[m]], patch(hand, skin, k)).min(),
+    )
+    assert measures.pulp_gap(hand, skin, k, m) == pytest.approx(expected, abs=1e-8)
+    assert expected > 5 * MM
+    assert measures.pulp_gap(hand, skin, m, k) == measures.pulp_gap(hand, skin, k, m)
+
+
+@pytest.mark.parametrize("overlap", [0.5 * MM, 1.5 * MM, 3 * MM])
+def test_a_fingertip_pushed_into_its_neighbour_has_a_gap_as_negative_as_it_is_deep(hand, skin, overlap):
+    by = into(hand, skin, 2, 3, overlap)
+    moved, carried = shifted(hand, skin, 2, by)
+    found = measures.skin_distance(hand, moved, carried, measures.segment_faces(hand)["distal_phalanx_3"])
+    assert found.min() == pytest.approx(-overlap, abs=0.3 * MM)
+    assert measures.flesh_depth(hand, moved)[carried].max() == pytest.approx(overlap, abs=0.3 * MM)
+    assert measures.digit_depths(hand, moved)[1, 3] == pytest.approx(overlap, abs=0.3 * MM)
+
+
+def test_an_open_hand_has_no_flesh_in_flesh(hand, skin):
+    assert measures.flesh_depth(hand, skin).max() == 0.0
+    assert measures.digit_depths(hand, skin).max() == 0.0
+    assert measures.digit_depths(hand, skin).shape == (5, 6)
+
+
+@pytest.mark.parametrize("deep", [0.7 * MM, 2 * MM, 4 * MM])
+def test_a_fingertip_pressed_into_the_palm_is_as_deep_as_vtk_says(hand, skin, deep):
+    """The fingertip turned over and carried onto the palm, which stays as it is."""
+    tip = np.flatnonzero(hand.skin.weights[:, hand.body_names.index("distal_phalanx_3")] > 0.5)
+    centre = skin[tip].mean(axis=0)
+    turned = centre + (skin[tip] - centre) * [-1.0, -1.0, 1.0]  # half a turn about z: the pulp looks at the palm
+    over = np.array([0.045, 0.06, -0.005]) - centre
+    whole = poly(skin, hand.skin.faces)
+    low, high = 0.0, 0.06
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if depth(turned + over - [0, middle, 0], whole).max() < deep else (low, middle)
+    moved = skin.copy()
+    moved[tip] = turned + over - [0, low, 0]
+    expected = depth(moved[tip], whole)
+    found = measures.flesh_depth(hand, moved)[tip]
+    pulp = np.isin(tip, measures.pulps(hand)[3])
+    assert expected[pulp].max() == pytest.approx(deep, abs=0.2 * MM)
+    np.testing.assert_allclose(found[pulp], np.maximum(expected[pulp], 0.0), atol=0.3 * MM)
+    assert measures.pulp_to_palm(hand, moved, 3) == pytest.approx(-expected[pulp].max(), abs=0.1 * MM)
+    assert measures.digit_depths(hand, moved)[2, 0] == pytest.approx(deep, abs=0.2 * MM)
+
+
+def test_the_distance_to_the_palm_is_that_of_the_surfaces(hand, skin):
+    faces = measures.segment_faces(hand)
+    palm = poly(skin, hand.skin.faces[np.concatenate([faces[name] for name in measures.PALM])])
+    for k in (1, 3, 5):
+        assert measures.pulp_to_palm(hand, skin, k) == pytest.approx(between(skin[measures.pulps(hand)[k]], palm).min(), abs=1e-8)
+    assert measures.pulp_to_bodies(hand, skin, 2, ("carpus",)) >= measures.pulp_to_palm(hand, skin, 2)
+
+
+# ---------------------------------------------------------------- facing
+
+
+def test_pulps_that_look_at_each_other_face_at_0_and_parallel_ones_at_180(hand, skin):
+    moved = skin.copy()
+    tip = np.flatnonzero(hand.skin.weights[:, hand.body_names.index("distal_phalanx_2")] > 0.5)
+    one, other = measures.pulp_normal(hand, skin, 2), measures.pulp_normal(hand, skin, 3)
+    assert np.linalg.norm(one) == pytest.approx(1.0)
+    assert measures.facing(hand, skin, 2, 3) == pytest.approx(np.pi - np.arccos(one @ other), abs=1e-12)
+    assert measures.facing(hand, skin, 2, 3) > np.radians(120)
+    centre = skin[tip].mean(axis=0)
+    moved[tip] = centre + (skin[tip] - centre) * [1.0, -1.0, -1.0]  # half a turn about x: the pulp looks dorsally
+    assert measures.facing(hand, moved, 2, 3) < np.radians(60)
+
+
+def test_measures_of_the_left_hand_are_those_of_the_right(hand, skin):
+    left = mirrored(hand)
+    for k, m in ((1, 2), (2, 3)):
+        assert measures.pulp_gap(left, np.array(left.skin.points), k, m) == pytest.approx(measures.pulp_gap(hand, skin, k, m), abs=1e-12)
+        assert measures.facing(left, np.array(left.skin.points), k, m) == pytest.approx(measures.facing(hand, skin, k, m), abs=1e-12)
+
+
+# ---------------------------------------------------------------- bones
+
+
+def test_no_bone_enters_another_as_the_hand_is_stored(hand):
+    assert max(measures.bone_depths(hand, hand.bind).values(), default=0.0) < 0.1 * MM
+
+
+def test_bones_driven_into_each_other_are_found_with_the_depth_that_vtk_says(hand):
+    angle = np.array(hand.bind)
+    for name in ("mcp2.flexion_extension", "pip3.flexion_extension", "wrist.deviation"):
+        angle[hand.dof_names.index(name)] -= np.radians(70)
+    found = measures.bone_depths(hand, angle)
+    assert len(found) >= 2
+    for (a, b), value in found.items():
+        one, other = (poly(posed_bone(hand, name, angle), hand.bones[name].faces) for name in (a, b))
+        assert value == pytest.approx(max(depth(one.points, other).max(), depth(other.points, one).max()), abs=1e-6)
+        assert hand.bones[a].body != hand.bones[b].body

@@ -26,8 +26,7 @@ from .targets import CLIPS, POSTURES, Posture
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "clips"
 SOLVED = Path(__file__).with_name("solved.json")  # contractions of every posture, as found
 START = 0.2  # seconds of rest before a clip moves
-THUMB_SHARE = 0.4  # of a movement's time: how much earlier the thumb leaves, and later it arrives, than the fingers
-THUMB_REGIONS = ("long thumb muscles", "thenar")
+LET_GO = 0.7  # of a movement's time, in which the hand lets go of one posture before it takes the next
 PULP_GAP = 0.0010  # aimed at where pulps meet; -1 to 4 mm is accepted
 SLACK = 0.0011  # flesh may enter flesh this much
 ROUNDED = 4  # decimals of a contraction
@@ -130,21 +129,17 @@ class Solver:
 def write_clip(name: str, solved: dict[str, dict[str, float]], hand: hl.Hand) -> None:
     """Key frames of one clip from the contractions of its postures.
 
-    Fingers and wrist go straight from one posture to the next. The thumb gives way first, as it does on the open hand, and
-    comes back last, so that it never passes through a finger.
+    Between two postures that touch the hand lets go for a moment: all muscles slacken to a share of their contraction.
     """
-    title, postures, reach, stay = CLIPS[name]
-    thumb = np.array([muscle.region in THUMB_REGIONS for muscle in hand.muscles.values()])
-    away = np.where(thumb, _row(solved["open"], hand), 0.0)
+    title, postures, reach, stay, slack = CLIPS[name]
     time, rows = [0.0, START], [np.zeros(len(hand.muscles)), np.zeros(len(hand.muscles))]
     for posture in postures:
-        goal, last = _row(solved[posture], hand), rows[-1]
-        if len(postures) > 1 and name != "wave" and posture != postures[0]:
-            time.append(time[-1] + THUMB_SHARE * reach)
-            rows.append(np.where(thumb, away, last))
-        time += [time[-1] + reach, time[-1] + (1.0 + THUMB_SHARE) * reach]
-        first = rows[-1] if len(rows) > 2 and name != "wave" else np.where(thumb, 0.35 * goal, 0.0)
-        rows += [np.where(thumb, first, goal), goal]
+        goal = _row(solved[posture], hand)
+        if slack < 1.0 and len(time) > 2:
+            time.append(time[-1] + LET_GO * reach)
+            rows.append(slack * (rows[-1] + goal) / 2)
+        time.append(time[-1] + reach)
+        rows.append(goal)
         if stay > 0:
             time.append(time[-1] + stay)
             rows.append(goal)

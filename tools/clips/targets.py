@@ -137,28 +137,30 @@ POSTURES: dict[str, Posture] = {
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))
 }
 
-# Clip -> title and its postures with the time at which each is reached and how long it stays (seconds).
-REACH = 1.0
-CLIPS: dict[str, tuple[str, tuple[str, ...], float, float]] = {
-    "open": ("The hand opens", ("open",), REACH, 1.2),
-    "fist": ("The hand closes its fist", ("fist",), REACH, 1.2),
-    "point": ("The index finger points", ("point",), REACH, 1.2),
-    "pinch": ("Tip pinch of thumb and index finger", ("pinch",), REACH, 1.2),
-    "key-pinch": ("Key pinch: the thumb against the side of the index finger", ("key-pinch",), REACH, 1.2),
-    "ok": ("OK", ("ok",), REACH, 1.2),
-    "thumbs-up": ("Thumbs up", ("thumbs-up",), REACH, 1.2),
-    "spread": ("The fingers spread", ("spread",), REACH, 1.2),
-    "hook": ("Hook grip", ("hook",), REACH, 1.2),
-    "l": ("L: thumb and index finger", ("l",), REACH, 1.2),
-    "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 0.6, 0.6),
-    "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05),
+# Clip -> title, its postures, the time in which each is reached, how long it stays (seconds), and to which share the muscles
+# slacken between two postures (1: not at all)
+SINGLE = (1.6, 0.8, 1.0)
+CLIPS: dict[str, tuple[str, tuple[str, ...], float, float, float]] = {
+    "open": ("The hand opens", ("open",), *SINGLE),
+    "fist": ("The hand closes its fist", ("fist",), *SINGLE),
+    "point": ("The index finger points", ("point",), *SINGLE),
+    "pinch": ("Tip pinch of thumb and index finger", ("pinch",), *SINGLE),
+    "key-pinch": ("Key pinch: the thumb against the side of the index finger", ("key-pinch",), *SINGLE),
+    "ok": ("OK", ("ok",), *SINGLE),
+    "thumbs-up": ("Thumbs up", ("thumbs-up",), *SINGLE),
+    "spread": ("The fingers spread", ("spread",), *SINGLE),
+    "hook": ("Hook grip", ("hook",), *SINGLE),
+    "l": ("L: thumb and index finger", ("l",), *SINGLE),
+    "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 1.5, 0.4, 0.15),
+    "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05, 1.0),
     "opposition": (
         "The thumb meets each finger",
         ("opposition-index", "opposition-middle", "opposition-ring", "opposition-little"),
-        0.7,
-        0.5,
+        1.2,
+        0.4,
+        0.0,
     ),
 } | {
-    f"opposition-{name}": (f"The thumb meets the {name} finger", (f"opposition-{name}",), REACH, 1.2)
+    f"opposition-{name}": (f"The thumb meets the {name} finger", (f"opposition-{name}",), *SINGLE)
     for name in ("index", "middle", "ring", "little")
 }

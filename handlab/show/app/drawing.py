@@ -93,7 +93,7 @@ def picture_plan(
 ) -> Any:
     """A layout of one tile, seen from a named view or through the viewer's own ``camera``.
 
-    ``camera``: ``position``, ``focus``, ``up`` (3,), metres in the frame of the hand.
+    ``camera``: unit vectors ``eye`` (from the hand to the eye) and ``up`` (3,), ``focus`` (3,) and ``distance`` in metres.
     """
     from dataclasses import replace
 
@@ -104,20 +104,18 @@ def picture_plan(
 
 
 def aimed(camera: Mapping[str, Any]) -> Any:
-    """A ``Camera`` from where it is, what it looks at and what is up."""
+    """A ``Camera`` from the direction to the eye, what is up, the point looked at, and the distance."""
     from handlab.show.views import Camera
 
-    position, focus, up = (np.asarray(camera[key], dtype=np.float64) for key in ("position", "focus", "up"))
-    to_eye = position - focus
-    distance = float(np.linalg.norm(to_eye))
-    if not all(v.shape == (3,) and np.isfinite(v).all() for v in (position, focus, up)) or not 0.01 < distance < 10.0:
+    eye, up, focus = (np.asarray(camera[key], dtype=np.float64) for key in ("eye", "up", "focus"))
+    distance = float(camera["distance"])
+    if not all(v.shape == (3,) and np.isfinite(v).all() for v in (eye, up, focus)) or not 0.01 < distance < 10.0:
         raise ValueError("the camera must look at the hand from between 1 cm and 10 m")
-    to_eye /= distance
-    right = np.cross(up, to_eye)
-    if not np.linalg.norm(right) > 1e-6:
+    right = np.cross(up, eye)
+    if not np.linalg.norm(eye) > 1e-6 or not np.linalg.norm(right) > 1e-6:
         raise ValueError("the camera looks along its own up direction")
-    right /= np.linalg.norm(right)
-    return Camera(to_eye, np.cross(to_eye, right), right, focus, distance)
+    eye, right = eye / np.linalg.norm(eye), right / np.linalg.norm(right)
+    return Camera(eye, np.cross(eye, right), right, focus, distance)
 
 
 def main(job: Path) -> None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 DRAWN = ("png", "mp4", "gif")
 MOST_KEPT = 8
 MIME = {"png": "image/png", "mp4": "video/mp4", "gif": "image/gif", "glb": "model/gltf-binary", "html": "text/html", "csv": "text/csv"}
-CAMERA = ("position", "focus", "up")
+CAMERA = ("eye", "up", "focus")
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def arguments(wish: Wish) -> dict[str, Any]:
     how |= {key: look[key] for key in ("bones", "muscles") if isinstance(look.get(key), bool)}
     camera = look.get("camera")
     if isinstance(camera, dict) and all(isinstance(camera.get(key), list | tuple) for key in CAMERA):
-        how["camera"] = {key: [float(value) for value in camera[key]] for key in CAMERA}
+        how["camera"] = {**{key: [float(value) for value in camera[key]] for key in CAMERA}, "distance": float(camera.get("distance", 0))}
     size = look.get("size")
     if isinstance(size, list | tuple) and len(size) == 2:
         how["size"] = [max(min(int(side), 1920), 64) for side in size]

@@ -28,7 +28,8 @@ function transport(session, secret) {
 
   session.subscribe("handlab.frame", ([bytes]) => {
     tell(bytes instanceof Uint8Array ? bytes.slice().buffer : bytes);
-    call("handlab.ready", []); // the host sends the next frame only after this: a slow page skips frames, it never lags behind
+    // The host sends the next frame only after this: a slow page, or one in the background, skips frames and never lags behind.
+    requestAnimationFrame(() => call("handlab.ready", []));
   });
   session.subscribe("handlab.note", async ([note]) => tell(note.address ? await fetched(note) : note));
 

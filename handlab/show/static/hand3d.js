@@ -98,6 +98,7 @@ in float h; out vec4 pixel;
 void main() { pixel = vec4(mix(vec3(1.0), vec3(0.890, 0.910, 0.929), h), 1.0); }`;
 
 const FAR_SIDE = [0.10, 0.34], NEAR_SIDE = [0.20, 0.86], SOLID = [1, 1];
+const SLOW_PACE_MS = 26, FAST_PACE_MS = 17.5; // between pictures of a software renderer: beyond the first it draws fewer pixels
 const STILL_AFTER_MS = 180; // a hand at rest is drawn once more, with smooth outlines
 
 // Vertex normals, weighted by area, into `out`; `points` and `out` are flat.
@@ -292,7 +293,8 @@ export class Hand3D {
     this.fit();
   }
 
-  fit(margin = 0.86) {
+  // Let the whole hand stand in the picture, below the buttons that cover its upper edge.
+  fit(margin = 0.93) {
     const P = this.coarse, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const axes = [this.right, this.up, this.eye];
     for (let v = 0; v < P.length; v += 3) {
@@ -305,8 +307,10 @@ export class Hand3D {
     const mid = low.map((value, x) => (value + high[x]) / 2);
     this.focus = [0, 1, 2].map((x) => mid[0] * axes[0][x] + mid[1] * axes[1][x] + mid[2] * axes[2][x]);
     const reach = Math.tan(this.scene.lens_deg * Math.PI / 360) * margin;
-    const aspect = Math.max(this.canvas.clientWidth, 1) / Math.max(this.canvas.clientHeight, 1);
-    this.distance = Math.max((high[0] - mid[0]) / (reach * aspect), (high[1] - mid[1]) / reach) + (high[2] - mid[2]) / 2;
+    const w = Math.max(this.canvas.clientWidth, 1), h = Math.max(this.canvas.clientHeight, 1), covered = Math.min(this.covered || 0, h / 3);
+    this.distance = Math.max((high[0] - mid[0]) / (reach * w / h), (high[1] - mid[1]) / (reach * (1 - covered / h))) + (high[2] - mid[2]) / 2;
+    const shift = covered / h * this.distance * Math.tan(this.scene.lens_deg * Math.PI / 360);
+    this.focus = this.focus.map((value, x) => value + shift * axes[1][x]);
     this.redraw();
   }
 
@@ -363,12 +367,17 @@ export class Hand3D {
   // Pixels of the canvas per CSS pixel: fewer while a software renderer moves, more at rest.
   density(still) {
     const screen = Math.min(window.devicePixelRatio || 1, 2);
-    return this.software ? (still ? Math.max(screen, 2) : 1) : Math.max(screen, 2);
+    return !this.software || still ? Math.max(screen, 2) : this.coarser ? 0.7 : 1;
   }
 
   draw(still = false) {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h || this.gone) return;
+    const now = performance.now(), gap = now - (this.drawnAt || 0);
+    this.drawnAt = now;
+    if (!still && gap < 250) this.pace = 0.9 * (this.pace || 16) + 0.1 * gap;
+    if (this.pace > SLOW_PACE_MS) this.coarser = true;
+    else if (this.pace < FAST_PACE_MS) this.coarser = false;
     const scale = this.density(still), width = Math.round(w * scale), height = Math.round(h * scale);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
     if (!this.gl) this.drawFlat(); else this.drawGL();

@@ -44,12 +44,12 @@ export class Track {
   }
 }
 
-// Draw `lines` ({column, label, factor}) of a track. `now` is marked when the track is a whole clip.
+// Draw `lines` ({column, label, factor}) of a track; where time runs: {left, right, top, bottom} in CSS pixels and {start, end} in seconds.
 export function drawCurves(canvas, track, lines, { title, now, least }) {
   const scale = Math.min(window.devicePixelRatio || 1, 2), w = canvas.clientWidth, h = canvas.clientHeight;
-  if (!w || !h) return;
+  if (!w || !h) return null;
   if (canvas.width !== Math.round(w * scale) || canvas.height !== Math.round(h * scale)) { canvas.width = Math.round(w * scale); canvas.height = Math.round(h * scale); }
-  const g = canvas.getContext("2d");
+  const g = canvas.getContext("2d", { willReadFrequently: true }); // on the processor: cheap next to a software renderer
   g.setTransform(scale, 0, 0, scale, 0, 0);
   g.clearRect(0, 0, w, h);
   g.font = "13px system-ui, sans-serif";
@@ -70,7 +70,7 @@ export function drawCurves(canvas, track, lines, { title, now, least }) {
   g.font = "600 14px system-ui, sans-serif";
   g.fillText(title, 8, 16);
   g.font = "13px system-ui, sans-serif";
-  if (!(high >= low)) { g.fillStyle = FAINT; g.fillText("move a muscle or play a clip", box.left, (box.top + box.bottom) / 2); return; }
+  if (!(high >= low)) { g.fillStyle = FAINT; g.fillText("move a muscle or play a clip", box.left, (box.top + box.bottom) / 2); return null; }
   const middle = (low + high) / 2, half = Math.max((high - low) / 2 * 1.08, least / 2);
   low = middle - half; high = middle + half;
   const X = (t) => box.left + (t - start) / (end - start || 1) * (box.right - box.left), Y = (v) => box.bottom - (v - low) / (high - low) * (box.bottom - box.top);
@@ -97,7 +97,6 @@ export function drawCurves(canvas, track, lines, { title, now, least }) {
     g.stroke();
   });
   g.setLineDash([]);
-  if (track.whole) { g.strokeStyle = INK; g.lineWidth = 1.5; rule(g, X(now), box.top, X(now), box.bottom); }
   g.restore();
   // Names at the line's ends, pushed apart.
   const last = track.rows[track.rows.length - 1];
@@ -106,6 +105,7 @@ export function drawCurves(canvas, track, lines, { title, now, least }) {
   for (let k = ends.length - 1, limit = box.bottom + 6; k >= 0; k--) { ends[k].y = Math.min(ends[k].y, limit); limit = ends[k].y - 15; }
   g.textAlign = "left"; g.textBaseline = "middle"; g.font = "600 13px system-ui, sans-serif";
   for (const { n, label, y } of ends) { g.fillStyle = COLOURS[n % COLOURS.length]; g.fillText(label, box.right + 8, y, names - 10); }
+  return { ...box, start, end };
 }
 
 function rule(g, x0, y0, x1, y1) { g.beginPath(); g.moveTo(x0, y0); g.lineTo(x1, y1); g.stroke(); }

@@ -15,8 +15,8 @@ export const STYLE = `
 .hl-stage canvas:focus-visible { outline-offset:-3px; }
 .hl-tag { position:absolute; z-index:3; pointer-events:none; background:#1f2933; color:#fff; padding:4px 10px; border-radius:6px; max-width:320px; font-size:15px; }
 .hl-tag small { display:block; color:#d5dbe1; font-size:13px; font-style:italic; }
-.hl-bar { position:absolute; z-index:2; top:10px; display:flex; flex-wrap:wrap; gap:6px; }
-.hl-bar.left { left:10px; max-width:55%; } .hl-bar.right { right:10px; max-width:45%; justify-content:flex-end; }
+.hl-bar { position:absolute; z-index:2; left:10px; right:10px; display:flex; flex-wrap:wrap; gap:6px; pointer-events:none; } .hl-bar > * { pointer-events:auto; }
+.hl-bar.top { top:10px; } .hl-bar.top .gap { flex:1; } .hl-bar.bottom { bottom:10px; justify-content:flex-end; }
 .hl-seg { display:inline-flex; border:1px solid #b9c2cb; border-radius:8px; overflow:hidden; background:rgba(255,255,255,.92); }
 .hl-seg button, .hl-btn { border:0; background:transparent; padding:5px 10px; cursor:pointer; white-space:nowrap; border-radius:0; }
 .hl-seg button + button { border-left:1px solid var(--rule); }
@@ -25,7 +25,7 @@ export const STYLE = `
 .hl-seg button[aria-pressed=true], .hl-btn[aria-pressed=true] { background:var(--blue); color:#fff; }
 .hl-btn.rec[aria-pressed=true] { background:var(--vermilion); }
 .hl button:disabled { opacity:.45; cursor:default; }
-.hl-menu { position:relative; } .hl-menu > div { position:absolute; right:0; top:calc(100% + 4px); z-index:6; background:#fff; border:1px solid #b9c2cb; border-radius:8px; padding:4px; box-shadow:0 6px 20px rgba(31,41,51,.18); min-width:190px; }
+.hl-menu { position:relative; } .hl-menu > div { position:absolute; right:0; bottom:calc(100% + 4px); z-index:6; background:#fff; border:1px solid #b9c2cb; border-radius:8px; padding:4px; box-shadow:0 6px 20px rgba(31,41,51,.18); min-width:190px; }
 .hl-menu > div[hidden] { display:none; } .hl-menu > div button { display:block; width:100%; text-align:left; border:0; background:none; padding:6px 10px; border-radius:6px; cursor:pointer; }
 .hl-menu > div button:hover, .hl-menu > div button:focus-visible { background:#e8f1f8; }
 .hl-clips { grid-column:2; grid-row:2; border-top:1px solid var(--rule); padding:8px 12px 6px; background:#fff; min-width:0; }
@@ -37,9 +37,11 @@ export const STYLE = `
 .hl-play .go svg { width:16px; height:16px; fill:currentColor; }
 .hl-play input[type=range] { flex:1; min-width:60px; }
 .hl-play output { font-variant-numeric:tabular-nums; min-width:92px; text-align:right; }
-.hl-curves { grid-column:2; grid-row:3; display:grid; grid-template-columns:1fr 1fr; height:190px; border-top:1px solid var(--rule); min-width:0; }
-.hl-curves canvas { width:100%; height:100%; display:block; min-width:0; } .hl-curves canvas + canvas { border-left:1px solid var(--rule); }
-.hl-side { grid-row:1 / span 3; display:flex; flex-direction:column; min-height:0; min-width:0; background:#fff; }
+.hl-curves { grid-column:2; grid-row:3; display:grid; grid-template:minmax(0,1fr) / 1fr 1fr; height:190px; border-top:1px solid var(--rule); min-width:0; }
+.hl-curves > div { position:relative; min-width:0; min-height:0; overflow:hidden; } .hl-curves > div + div { border-left:1px solid var(--rule); }
+.hl-curves canvas { position:absolute; inset:0; width:100%; height:100%; display:block; }
+.hl-curves i { position:absolute; left:0; top:0; width:2px; margin-left:-1px; background:var(--ink); will-change:transform; } .hl-curves i[hidden] { display:none; }
+.hl-side { contain:strict; grid-row:1 / span 3; display:flex; flex-direction:column; height:0; min-height:100%; min-width:0; background:#fff; }
 .hl-side.m { grid-column:1; border-right:1px solid var(--rule); } .hl-side.j { grid-column:3; border-left:1px solid var(--rule); }
 .hl-side header { padding:9px 12px 7px; border-bottom:1px solid var(--rule); }
 .hl-side h2 { margin:0; padding:0; font-size:17px; font-weight:650; line-height:1.3; border:0; color:var(--ink); display:flex; justify-content:space-between; align-items:baseline; }
@@ -49,7 +51,7 @@ export const STYLE = `
 .hl-list h3 { position:sticky; top:-2px; z-index:1; margin:0; padding:7px 12px 3px; font-size:14px; font-weight:650; background:#fff; color:var(--ink); display:flex; align-items:center; gap:7px; line-height:1.3; }
 .hl-list h3 i { width:11px; height:11px; border-radius:3px; flex:none; }
 .hl-row { display:grid; grid-template-columns:62px 1fr 46px; align-items:center; gap:8px; padding:1px 12px; min-height:27px; border-left:4px solid transparent; }
-.hl-row.j { grid-template-columns:26px 96px 1fr 52px; gap:6px; padding-left:6px; }
+.hl-row.j { grid-template-columns:26px 122px 1fr 46px; gap:5px; padding-left:6px; }
 .hl-row:hover, .hl-row:focus-within { background:var(--wash); }
 .hl-row.on { border-left-color:var(--tint); background:#fbf7ef; }
 .hl-row .who { border:0; background:none; padding:2px 0; text-align:left; font-weight:600; cursor:pointer; white-space:nowrap; overflow:hidden; text-overflow:ellipsis; }
@@ -58,8 +60,13 @@ export const STYLE = `
 .hl-row.follows { color:var(--faint); }
 .hl-row.linked .who { color:var(--vermilion); font-weight:700; }
 .hl-row[hidden], .hl-list section[hidden] { display:none; }
-.hl input[type=range] { accent-color:var(--tint,var(--blue)); width:100%; height:22px; margin:0; cursor:pointer; }
-.hl input[type=range]:disabled { cursor:default; opacity:.8; }
+.hl input[type=range] { -webkit-appearance:none; appearance:none; width:100%; height:22px; margin:0; cursor:pointer; background:transparent; --track:linear-gradient(to right,var(--tint,var(--blue)) var(--p,0%),#dde3e9 var(--p,0%)); }
+.hl input[type=range]::-webkit-slider-runnable-track { height:6px; border-radius:3px; background:var(--track); }
+.hl input[type=range]::-moz-range-track { height:6px; border-radius:3px; background:var(--track); }
+.hl input[type=range]::-webkit-slider-thumb { -webkit-appearance:none; width:16px; height:16px; margin-top:-5px; border-radius:8px; border:2px solid #fff; background:var(--tint,var(--blue)); box-shadow:0 0 0 1px rgba(31,41,51,.35); }
+.hl input[type=range]::-moz-range-thumb { width:12px; height:12px; border-radius:8px; border:2px solid #fff; background:var(--tint,var(--blue)); box-shadow:0 0 0 1px rgba(31,41,51,.35); }
+.hl input[type=range]:disabled { cursor:default; opacity:.5; }
+.hl input[aria-disabled=true] { pointer-events:none; }
 .hl-lock { border:0; background:none; padding:2px 0; cursor:pointer; color:#8a96a3; display:grid; place-items:center; width:26px; height:24px; border-radius:6px; }
 .hl-lock:hover { background:#e8f1f8; } .hl-lock svg { width:16px; height:16px; fill:currentColor; } .hl-lock[aria-pressed=true] { color:#fff; background:var(--vermilion); }
 .hl-lock .shut { display:none; } .hl-lock[aria-pressed=true] .shut { display:block; } .hl-lock[aria-pressed=true] .open { display:none; }
@@ -68,7 +75,7 @@ export const STYLE = `
 .hl-range i { position:absolute; top:0; bottom:0; width:2px; background:#5b6773; }
 .hl-more { border-top:1px solid var(--rule); padding:8px 12px; min-height:112px; font-size:14px; background:var(--wash); }
 .hl-more strong { display:block; font-size:15px; } .hl-more .faint, .hl-none { color:var(--faint); } .hl-none { padding:12px; }
-.hl-say { position:absolute; z-index:5; left:50%; bottom:14px; transform:translateX(-50%); max-width:86%; padding:8px 14px; border-radius:8px; background:#1f2933; color:#fff; font-size:15px; box-shadow:0 4px 18px rgba(31,41,51,.3); }
+.hl-say { position:absolute; z-index:5; left:50%; bottom:56px; transform:translateX(-50%); max-width:86%; padding:8px 14px; border-radius:8px; background:#1f2933; color:#fff; font-size:15px; box-shadow:0 4px 18px rgba(31,41,51,.3); }
 .hl-say.bad { background:#a33a00; } .hl-say[hidden] { display:none; }
 .hl-tabs { display:none; }
 .hl[data-size=narrow] .hl-stage, .hl[data-size=narrow] .hl-clips, .hl[data-size=narrow] .hl-curves { grid-column:1; }

@@ -12,6 +12,7 @@ import { STYLE } from "./style.js";
 
 const PANEL_MS = 80; // numbers and sliders need not change faster
 const CURVE_MS = 100;
+const SLOW_MS = 220; // both, where the processor draws everything
 const TICK_TIMEOUT_MS = 3000;
 const SAY_MS = 6000;
 const DEGREES = 180 / Math.PI;
@@ -100,7 +101,7 @@ class Viewer {
       scene.muscles.forEach((muscle, k) => {
         if (muscle.region !== region.name) return;
         const who = button(muscle.short, () => this.pin("muscle", k), { className: "who", title: `${muscle.title}: draw its curve`, aria: { pressed: "false" } });
-        const slider = make("input", { type: "range", min: 0, max: 100, step: 1, value: 0, disabled: !!this.transport.recorded, aria: { label: `${muscle.title} (${muscle.short}), contraction in percent` }, data: { muscle: muscle.short } });
+        const slider = make("input", { type: "range", min: 0, max: 100, step: 1, value: 0, tabIndex: this.transport.recorded ? -1 : 0, aria: { label: `${muscle.title} (${muscle.short}), contraction in percent`, disabled: String(!!this.transport.recorded) }, data: { muscle: muscle.short } });
         slider.oninput = () => this.slide(k);
         slider.onpointerdown = () => { this.held = k; };
         slider.onpointerup = slider.onpointercancel = slider.onchange = () => { this.held = null; };
@@ -179,19 +180,21 @@ class Viewer {
   curves() {
     this.lengthCanvas = make("canvas", { aria: { label: "Muscle lengths over time" } });
     this.angleCanvas = make("canvas", { aria: { label: "Joint angles over time" } });
-    return make("div", { className: "hl-curves" }, this.lengthCanvas, this.angleCanvas);
+    // The line that marks the time is moved by the compositor: the curves of a clip are drawn once.
+    this.marks = [make("i", { hidden: true }), make("i", { hidden: true })];
+    return make("div", { className: "hl-curves" }, make("div", {}, this.lengthCanvas, this.marks[0]), make("div", {}, this.angleCanvas, this.marks[1]));
   }
 
   looks() {
     const views = make("div", { className: "hl-seg" }, ...["palm", "back", "radial", "ulnar", "front"].map((name) => button(name, () => { this.hand.view(name); this.showLook(); }, { data: { view: name } })));
     const skin = make("div", { className: "hl-seg" }, ...["solid", "translucent", "hidden"].map((name) => button(name === "hidden" ? "no skin" : name, () => this.setLook({ skin: name }), { data: { skin: name } })));
     const bones = button("bones", () => this.setLook({ bones: !this.hand.look.bones }), { className: "hl-btn", data: { layer: "bones" } });
-    this.lookBar = make("div", { className: "hl-bar left" }, views, skin, bones);
+    this.lookBar = make("div", { className: "hl-bar top" }, views, make("span", { className: "gap" }), skin, bones);
     return this.lookBar;
   }
 
   actions() {
-    const bar = make("div", { className: "hl-bar right" });
+    const bar = make("div", { className: "hl-bar bottom" });
     const file = make("input", { type: "file", accept: ".json,application/json", hidden: true, onchange: () => this.load(file) });
     this.record = button("record", () => this.send({ kind: "record", on: !this.status.recording }), { className: "hl-btn rec", aria: { pressed: "false" }, title: "record what the sliders do as a clip" });
     const live = !this.transport.recorded;
@@ -209,7 +212,7 @@ class Viewer {
   menu(name, entries) {
     const list = make("div", { hidden: true }, ...entries.map(([text, act, more]) => button(text, () => { close(); act(); }, more || {})));
     list.setAttribute("role", "menu");
-    const opener = button(`${name} ▾`, () => { list.hidden = !list.hidden; opener.setAttribute("aria-expanded", String(!list.hidden)); }, { className: "hl-btn", aria: { expanded: "false", haspopup: "menu" }, data: { menu: name } });
+    const opener = button(`${name} ▴`, () => { list.hidden = !list.hidden; opener.setAttribute("aria-expanded", String(!list.hidden)); }, { className: "hl-btn", aria: { expanded: "false", haspopup: "menu" }, data: { menu: name } });
     const close = () => { list.hidden = true; opener.setAttribute("aria-expanded", "false"); };
     const whole = make("div", { className: "hl-menu" }, opener, list);
     whole.addEventListener("focusout", (event) => { if (event.relatedTarget && !whole.contains(event.relatedTarget)) close(); });
@@ -284,7 +287,8 @@ class Viewer {
     const { clientWidth: w, clientHeight: h } = this.root;
     this.root.dataset.size = w >= 1080 ? "wide" : w >= 640 ? "narrow" : "tiny";
     this.root.classList.toggle("low", h < 720);
-    if (!this.touched && this.stage.clientWidth) this.hand.fit();
+    this.hand.covered = this.lookBar.offsetTop + this.lookBar.offsetHeight;
+    if (this.hand.viewName && this.stage.clientWidth) this.hand.fit();
     this.hand.redraw();
     this.curvesDue();
   }
@@ -441,7 +445,7 @@ class Viewer {
     else if (message.kind === "clips") this.listClips(message.clips);
     else if (message.kind === "answer") this.say(message.text, message.good);
     else if (message.kind === "file") this.download(message.name, new Blob([message.text ?? asBytes(message.data)], { type: message.mime }));
-    else if (message.kind === "track") this.track.load(new Float32Array(asBytes(message.data).slice().buffer), this.seconds(message.clip));
+    else if (message.kind === "track") this.track.load(new Float32Array(asBytes(message.data).slice().buffer), message.seconds ?? this.seconds(message.clip));
     else if (message.kind === "look") this.setLook(message);
     else if (message.kind === "tock") this.ticked(false);
     if (message.kind === "track") this.curvesDue(true);
@@ -460,7 +464,8 @@ class Viewer {
       this.track.add(frame.time, row);
     }
     this.panelsDue();
-    this.curvesDue();
+    if (!this.track.whole) this.curvesDue();
+    this.mark();
     this.ticked(frame.moving);
   }
 
@@ -484,7 +489,7 @@ class Viewer {
 
   panelsDue() {
     if (this.panelTimer) return;
-    this.panelTimer = setTimeout(() => { this.panelTimer = 0; this.showFrame(); }, Math.max(0, PANEL_MS - (performance.now() - (this.panelAt || 0))));
+    this.panelTimer = setTimeout(() => { this.panelTimer = 0; this.showFrame(); }, Math.max(0, (this.hand.software ? SLOW_MS : PANEL_MS) - (performance.now() - (this.panelAt || 0))));
   }
 
   showFrame() {
@@ -509,6 +514,7 @@ class Viewer {
     if (frame.clip) {
       this.scrub.max = frame.seconds;
       this.scrub.value = frame.time;
+      this.scrub.style.setProperty("--p", `${100 * frame.time / (frame.seconds || 1)}%`);
       this.clock.textContent = `${frame.time.toFixed(2)} / ${frame.seconds.toFixed(2)} s`;
     } else this.clock.textContent = `live ${frame.time.toFixed(1)} s`;
     this.about(this.told);
@@ -517,6 +523,7 @@ class Viewer {
   showMuscle(k, percent) {
     const own = this.rows[k];
     own.shown = percent;
+    own.slider.style.setProperty("--p", `${percent}%`);
     own.output.textContent = `${percent} %`;
     own.row.classList.toggle("on", percent > 1);
   }
@@ -537,7 +544,7 @@ class Viewer {
   curvesDue(now = false) {
     if (now) this.chosenAt = 0;
     if (this.curveTimer || this.gone) return;
-    this.curveTimer = setTimeout(() => { this.curveTimer = 0; this.showCurves(); }, Math.max(0, CURVE_MS - (performance.now() - (this.curveAt || 0))));
+    this.curveTimer = setTimeout(() => { this.curveTimer = 0; this.showCurves(); }, Math.max(0, (this.hand.software ? SLOW_MS : CURVE_MS) - (performance.now() - (this.curveAt || 0))));
   }
 
   showCurves() {
@@ -551,8 +558,20 @@ class Viewer {
         dof: this.pinned.dof.size ? [...this.pinned.dof].map((k) => k + count) : this.track.busiest(count, count + dofs.length, 4, now),
       };
     }
-    drawCurves(this.lengthCanvas, this.track, this.chosen.muscle.map((k) => ({ column: k, label: muscles[k].short, factor: 1000 })), { title: "Muscle length (mm)", now, least: 2 });
-    drawCurves(this.angleCanvas, this.track, this.chosen.dof.map((k) => ({ column: k, label: this.dofLabel(k - count), factor: DEGREES })), { title: "Joint angle (degrees)", now, least: 4 });
+    this.boxes = [drawCurves(this.lengthCanvas, this.track, this.chosen.muscle.map((k) => ({ column: k, label: muscles[k].short, factor: 1000 })), { title: "Muscle length (mm)", now, least: 2 }),
+    drawCurves(this.angleCanvas, this.track, this.chosen.dof.map((k) => ({ column: k, label: this.dofLabel(k - count), factor: DEGREES })), { title: "Joint angle (degrees)", now, least: 4 })];
+    this.mark();
+  }
+
+  mark() {
+    this.marks.forEach((mark, k) => {
+      const box = this.track.whole && this.frame?.clip ? this.boxes?.[k] : null;
+      mark.hidden = !box;
+      if (!box) return;
+      mark.style.height = `${box.bottom - box.top}px`;
+      const share = Math.min(Math.max((this.frame.time - box.start) / (box.end - box.start || 1), 0), 1);
+      mark.style.transform = `translate(${box.left + share * (box.right - box.left)}px, ${box.top}px)`;
+    });
   }
 
   dofLabel(k) {
@@ -566,7 +585,7 @@ class Viewer {
     if (this.go.dataset.icon !== String(status.playing)) { this.go.innerHTML = icon; this.go.dataset.icon = String(status.playing); this.go.setAttribute("aria-label", status.playing ? "pause" : "play"); }
     for (const chip of this.chips.children) press(chip, chip.dataset.clip === status.clip);
     this.scrub.disabled = !loaded;
-    if (!loaded) this.scrub.value = 0;
+    if (!loaded) { this.scrub.value = 0; this.scrub.style.setProperty("--p", "0%"); }
     if (![...this.speed.options].some((one) => Number(one.value) === status.speed)) this.speed.append(make("option", { value: status.speed, textContent: `${status.speed}×` }));
     this.speed.value = String(status.speed);
     press(this.repeat, status.loop);

@@ -27,7 +27,9 @@ def test_no_other_text_is_the_key(text):
     assert guard.knows(text) == (text == "the-key-of-this-test")
 
 
-@pytest.mark.parametrize("origin", ["https://evil.example", "http://127.0.0.1:9999", "null", "", "http://127.0.0.1", "file://127.0.0.1:8765", "http://["])
+@pytest.mark.parametrize(
+    "origin", ["https://evil.example", "http://127.0.0.1:9999", "null", "", "http://127.0.0.1", "file://127.0.0.1:8765", "http://["]
+)
 def test_a_page_from_elsewhere_is_refused_even_with_the_key(origin):
     guard = Guard()
     assert "elsewhere" in guard.objection(HERE, origin, DATA + "scene", guard.key)
