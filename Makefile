@@ -1,5 +1,5 @@
 # Two commands, each sufficient by itself on a bare clone:
-#   make run     a film and a sheet of the hand closing its fist
+#   make run     the live hand in the browser (Ctrl-C stops it)
 #   make test    linters, type checker, import contracts, all tests
 # Needs make and Python 3.11 to 3.13 with venv. Another Python: make run PYTHON=/path/to/python3.12
 

@@ -23,10 +23,10 @@ def test_the_command_is_installed_and_says_its_version():
     assert done.stdout.strip() == handlab.__version__
 
 
-def test_without_a_command_it_explains_itself(capsys):
-    assert cli.answer([]) == 0
+def test_help_names_every_command(capsys):
+    assert cli.answer(["--help"]) == 0
     shown = capsys.readouterr().out
-    assert all(command in shown for command in ("run", "render", "curves", "plot", "clips", "info", "doctor"))
+    assert all(command in shown for command in ("run", "pictures", "render", "curves", "plot", "clips", "info", "doctor"))
 
 
 def test_a_clip_becomes_a_film(tmp_path, capsys):
@@ -93,10 +93,23 @@ def test_doctor_says_what_to_install_and_fails(capsys, monkeypatch):
     assert "install libegl1" in capsys.readouterr().out
 
 
-def test_run_draws_the_fist_and_names_the_files(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(cli, "RUN_SIZE", (320, 160))
-    monkeypatch.setattr(cli, "RUN_FPS", 5)
-    assert cli.answer(["run", "--no-show"]) == 0
+@pytest.mark.parametrize("line", ["", "run", "run --side left --reading printed --port 8800 --host localhost --no-browser", "--port 0"])
+def test_run_and_no_command_open_the_live_hand(monkeypatch, line):
+    from handlab.show.app import server
+
+    asked = {}
+    monkeypatch.setattr(server, "start", lambda load, **how: asked.update(how, hand=load().hand))
+    assert cli.answer(line.split()) == 0
+    assert asked["host"] == ("localhost" if "localhost" in line else "127.0.0.1")
+    assert asked["port"] == (8800 if "8800" in line else 0 if "0" in line else 8765)
+    assert asked["browser"] is ("--no-browser" not in line)
+    assert (asked["hand"].side, asked["hand"].reading) == (("left", "printed") if "left" in line else ("right", "sound"))
+
+
+def test_pictures_draws_the_fist_and_names_the_files(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cli, "PICTURES_SIZE", (320, 160))
+    monkeypatch.setattr(cli, "PICTURES_FPS", 5)
+    assert cli.answer(["pictures", "--no-show"]) == 0
     shown = capsys.readouterr().out
     for name in ("fist.mp4", "fist.png"):
         assert (tmp_path / "handlab-pictures" / name).stat().st_size > 1000
@@ -108,6 +121,11 @@ def test_run_draws_the_fist_and_names_the_files(tmp_path, capsys, monkeypatch):
     [
         ("render", "WHAT"),
         ("bogus", "bogus"),
+        ("rendr fist", "did you mean render"),
+        ("run fist", "fist"),
+        ("run --port 99999", "65535"),
+        ("run --host 198.51.100.7", "no address of this computer"),
+        ("run --host no-such-host.invalid", "there is no host"),
         ("render fist --fps x", "--fps"),
         ("render fist -o x.avi", ".mp4, .gif, .png, .csv"),
         ("render fist -o nowhere/x.mp4", "nowhere"),

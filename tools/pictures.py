@@ -7,7 +7,7 @@ from pathlib import Path
 import handlab as hl
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
-HELD = {"open": "open", "fist": "fist", "pinch": "pinch", "ok": "OK", "opposition-little": "thumb to little finger", "point": "point", "thumbs-up": "thumbs up"}
+HELD = {"open": "open", "fist": "fist", "pinch": "pinch", "ok": "OK", "opposition-little": "opposition"}
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,13 @@ from handlab.simulation.skeleton import contraction_of, rest
 from handlab.simulation.state import State
 
 FPS = 60.0
+PICTURE_HEIGHT = 420  # pixels
+# The viewer of a panel moves by the panel's sliders alone: what would start a clip or another motion beside them is put away.
+BARE = "handlab-bare"
+BARE_STYLE = (
+    f"<style>.{BARE} .hl-clips, .{BARE} .hl-curves, .{BARE} .hl-bar.bottom {{ display: none; }} "
+    f".{BARE} .hl {{ grid-template-rows: minmax(0, 1fr) !important; }}</style>"
+)
 MOST_SECONDS = 60.0  # of recorded motion; older ones are forgotten
 VISIBLE_DEG = 0.5  # an assumption: a smaller rotation cannot be seen
 OVER_TIME = ("contraction", "angle", "speed", "fibre_length", "force", "torque")
@@ -149,8 +157,10 @@ class MusclePanel:
         again = ipywidgets.Button(description="Relax", tooltip="All contractions to zero, the hand back where it began")
         back: OnMain[Any] = OnMain(lambda _: self.reset())
         again.on_click(back)
-        controls = ipywidgets.VBox([*self.sliders.values(), again, self._readout])
+        controls = ipywidgets.VBox([*self.sliders.values(), again, self._readout, ipywidgets.HTML(BARE_STYLE)])
         picture = self._picture.widget
+        picture.add_class(BARE)
+        picture.layout.width, controls.layout.width = "55%", "45%"
         self._refresh()
         return ipywidgets.HBox([picture, controls])
 
@@ -162,9 +172,7 @@ class MusclePanel:
 
     @cached_property
     def _picture(self) -> Any:
-        from handlab.show.picture_widget import PictureWidget
-
-        return PictureWidget(self.hand)
+        return picture_of(self.hand, self.start)
 
     def _refresh(self) -> None:
         if "sliders" in self.__dict__:
@@ -191,3 +199,17 @@ def shortened(clip: Clip) -> Clip:
     """A clip without its first frame."""
     later: dict[str, Any] = {name: getattr(clip, name)[1:] for name in ("time", *OVER_TIME)}
     return replace(clip, **later)
+
+
+def picture_of(hand: Hand, state: State) -> Any:
+    """What shows the hand: the live viewer without its own sliders, or, where anywidget is missing, drawn pictures.
+
+    Both have ``widget`` and ``show(state)``.
+    """
+    if find_spec("anywidget") is None:
+        from handlab.show.picture_widget import PictureWidget
+
+        return PictureWidget(hand)
+    from handlab.show.widget import HandView
+
+    return HandView(hand, state, height=PICTURE_HEIGHT, panels=False)

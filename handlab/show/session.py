@@ -100,6 +100,7 @@ class Session:
         self._wishes: deque[Wish] = deque(maxlen=4)
         self._history: deque[tuple[float, Array, Array, Array]] = deque(maxlen=MOST_HISTORY)
         self._echo = 0
+        self.hold: tuple[str, ...] = ()
         self._start_over()
         self.hold = keepsakes.held(hand, hold)
         if contraction is not None and len(contraction):
@@ -115,7 +116,7 @@ class Session:
     def _start_over(self) -> None:
         self.state = rest(self.hand)
         self.contraction = np.zeros(len(self.hand.muscle_names))
-        self.hold: tuple[str, ...] = ()
+        self.hold = ()
         self.clip: Clip | None = None
         self.clip_name = ""
         self.clip_time = 0.0

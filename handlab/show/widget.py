@@ -50,7 +50,7 @@ def widget_class() -> Any:
     import anywidget
     import traitlets
 
-    class HandWidget(anywidget.AnyWidget):  # type: ignore[misc]
+    class HandWidget(anywidget.AnyWidget):
         """What the notebook shows."""
 
         _esm = viewer_module(exports=False) + GLUE

@@ -21,8 +21,9 @@ STATION = 0.06  # half the width of a station, as part of that length
 CREASE_REACH = 0.012  # of the skin's profile on either side of a joint
 CREASE_STEP = 0.00025
 CREASE_LINES = np.linspace(-0.002, 0.002, 5)  # beside the midline; the profile is their mean
-CREASE_DEPTH = 0.0002  # below the straight line that bridges it: a shallower dip is no crease
-TROUGH = 0.0001
+CREASE_CHORD = 0.008
+CREASE_SEARCH = 0.006  # on either side of the joint
+CREASE_DEPTH = 0.0002  # a shallower dip is no crease
 NEAR = 0.045  # skin that can matter to a joint
 
 
@@ -140,30 +141,23 @@ def palmar_profile(hand: Hand, joint: str) -> tuple[Array, Array]:
 
 
 def crease(hand: Hand, joint: str) -> float | None:
-    """How far distal of the joint's centre the palmar crease lies; None where the skin has none within 12 mm.
+    """How far distal of the joint's centre the palmar crease lies; None where the skin has none within 6 mm.
 
-    The crease is where the palmar profile is deepest below the line that bridges it (its upper convex hull): the middle of
-    the places within 0.1 mm of the greatest depth, as some creases are flat troughs.
+    The crease is where the palmar profile lies deepest below its own chord of 8 mm (a local deepening, whatever the slope of
+    the skin there), provided that the profile is clearly straighter on both sides of it.
     """
     along, height = palmar_profile(hand, joint)
-    if not np.isfinite(height).all():
+    half = round(CREASE_CHORD / 2 / CREASE_STEP)
+    depth = (height[: -2 * half] + height[2 * half :]) / 2 - height[half:-half]
+    place = along[half:-half]
+    if not np.isfinite(depth).all():
         return None
-    depth = _bridge(along, height) - height
-    if depth.max() < CREASE_DEPTH:
+    depth, place = depth[np.abs(place) <= CREASE_SEARCH], place[np.abs(place) <= CREASE_SEARCH]
+    deepest = int(depth.argmax())
+    before, after = depth[: deepest + 1].min(), depth[deepest:].min()
+    if depth[deepest] < CREASE_DEPTH or depth[deepest] - max(before, after) < CREASE_DEPTH / 2:
         return None
-    trough = along[depth > depth.max() - TROUGH]
-    return float(trough[0] + trough[-1]) / 2.0
-
-
-def _bridge(x: Array, y: Array) -> Array:
-    """Upper convex hull of a curve, at its own places."""
-    kept: list[int] = []
-    for i in range(len(x)):
-        while len(kept) > 1 and (y[kept[-1]] - y[kept[-2]]) * (x[i] - x[kept[-2]]) <= (y[i] - y[kept[-2]]) * (x[kept[-1]] - x[kept[-2]]):
-            kept.pop()
-        kept.append(i)
-    result: Array = np.interp(x, x[kept], y[kept])
-    return result
+    return float(place[deepest])
 
 
 def bone_length(hand: Hand, name: str) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import handlab as hl
+from handlab.show import panels
 from handlab.show.main_thread import OnMain
 from handlab.show.panels import MusclePanel
 
@@ -109,8 +110,10 @@ class Widgets:
     """Sliders need ipywidgets and a picture that can be drawn."""
 
     @pytest.fixture
-    def picture(self, panel):
+    def picture(self, panel, monkeypatch):
+        """The picture of the panel where no live viewer is installed."""
         pytest.importorskip("ipywidgets")
+        monkeypatch.setattr(panels, "find_spec", lambda name: None)
         from PIL import Image
 
         def look():
@@ -161,6 +164,17 @@ class TestSliders(Widgets):
             for value in (slider.min, slider.max, 0.5):
                 slider.value = value
                 assert np.isfinite(panel.state.angle).all()
+
+
+def test_the_live_viewer_of_the_panel_shows_what_the_panel_knows(panel):
+    pytest.importorskip("anywidget")
+    assert panel.widget
+    view = panel._picture
+    for change in ({"FDP2": 0.3}, {"ODM": 0.4}, {"FDP2": 0.0}):
+        panel.set(**change)
+        assert np.allclose(view.state.angle, panel.state.angle)
+    panel.reset()
+    assert np.allclose(view.state.angle, panel.start.angle)
 
 
 def test_a_burst_from_another_thread_runs_on_the_main_thread_and_the_last_value_wins():

@@ -189,7 +189,7 @@ def test_bones_that_slid_off_their_joint_are_found(hand):
 
 def test_skin_that_slid_along_a_finger_is_found_by_its_creases(hand):
     fine = hand.with_(skin_fine=replace(hand.skin_fine, points=frozen(hand.skin_fine.points + 5 * MM * joint_place(hand, "pip3").distal)))
-    assert tissue.crease(fine, "pip3") - tissue.crease(hand, "pip3") == pytest.approx(5 * MM, abs=0.8 * MM)
+    assert tissue.crease(fine, "pip3") - tissue.crease(hand, "pip3") == pytest.approx(5 * MM, abs=0.5 * MM)
     row = named(module._joints(fine), "palmar creases")
     assert not row.ok
     assert "pip3" in row.measured
@@ -199,7 +199,7 @@ def test_a_finger_without_crease_is_named(hand, monkeypatch):
     monkeypatch.setattr(tissue, "palmar_profile", lambda *_: (np.linspace(-0.012, 0.012, 97), np.full(97, 0.008)))
     row = named(module._joints(hand), "palmar creases")
     assert not row.ok
-    assert "none found: ip1, pip2, dip2" in row.measured
+    assert "no crease at ip1, pip2, dip2" in row.measured
 
 
 @pytest.mark.parametrize("by", [-4 * MM, 4 * MM])

@@ -142,7 +142,7 @@ POSTURES: dict[str, Posture] = {
 SINGLE = (1.6, 0.8, 1.0)
 CLIPS: dict[str, tuple[str, tuple[str, ...], float, float, float]] = {
     "open": ("The hand opens", ("open",), *SINGLE),
-    "fist": ("The hand closes its fist", ("fist",), *SINGLE),
+    "fist": ("The hand closes its fist", ("fist",), 1.0, 1.2, 1.0),
     "point": ("The index finger points", ("point",), *SINGLE),
     "pinch": ("Tip pinch of thumb and index finger", ("pinch",), *SINGLE),
     "key-pinch": ("Key pinch: the thumb against the side of the index finger", ("key-pinch",), *SINGLE),
@@ -150,7 +150,7 @@ CLIPS: dict[str, tuple[str, tuple[str, ...], float, float, float]] = {
     "thumbs-up": ("Thumbs up", ("thumbs-up",), *SINGLE),
     "spread": ("The fingers spread", ("spread",), *SINGLE),
     "hook": ("Hook grip", ("hook",), *SINGLE),
-    "l": ("L: thumb and index finger", ("l",), *SINGLE),
+    "l": ("L: thumb and index finger", ("l",), 1.9, 0.7, 1.0),
     "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 1.5, 0.4, 0.15),
     "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05, 1.0),
     "opposition": (

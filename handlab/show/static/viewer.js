@@ -458,6 +458,7 @@ class Viewer {
     this.stats.frames += 1;
     this.stats.bytes += frame.bytes;
     this.hand.pose(frame);
+    if (this.stats.frames === 1 && this.hand.viewName) this.hand.fit();
     if (!frame.clip) {
       const row = new Float32Array(this.track.width);
       row.set(frame.length); row.set(frame.angle, frame.length.length);
