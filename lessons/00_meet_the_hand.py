@@ -31,7 +31,7 @@ import handlab as hl
 import matplotlib.pyplot as plt
 import numpy as np
 from handlab.check import lesson
-from handlab.show.panels import MusclePanel
+from handlab.show.panels import MusclePanel, Postures
 
 check = lesson("00")
 hand = hl.load_hand()
@@ -108,7 +108,7 @@ for dof in hand.dofs.values():
 # %%
 zero = hl.pose(hand, dict.fromkeys(hand.moving_names, 0.0))
 relaxed = hl.rest(hand)
-hl.sheet(hand, {"zero": zero, "relaxed": relaxed}, view=["palm", "radial"], skin="solid")
+Postures(hand, {"zero": zero, "relaxed": relaxed}, view="radial")
 
 # %% [markdown]
 # ### Exercise: repair
@@ -193,9 +193,9 @@ for group in ("extrinsic", "intrinsic"):
 hand.muscles["FDP2"]
 
 # %% [markdown]
-# Below the list stands one of them with its sources. Its signed **lever arms** say what a muscle does: a tendon that runs on the palmar side of a joint's axis flexes it (plus), one on
-# the dorsal side extends it (minus). The deep flexor of the index finger (`FDP2`) crosses the wrist, then MCP, PIP and DIP: it is
-# the only muscle that flexes the last joint of that finger.
+# Below the list stands one of them with its sources. Its signed **lever arms** say what it does: a tendon that runs on the palmar side
+# of a joint's axis flexes it (plus), one on the dorsal side extends it (minus). The deep flexor of the index finger (`FDP2`) crosses
+# the wrist, then MCP, PIP and DIP: it is the only muscle that flexes the last joint of that finger.
 #
 # ## 6 One equation
 #

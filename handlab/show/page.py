@@ -71,7 +71,7 @@ def page(stories: Iterable[Story], *, title: str = "", **options: Any) -> str:
     hand = told[0].hand
     size = len(wire.frame(hand, hand.bind, time=0.0, contraction=hand.rest_length, fibre_length=hand.rest_length, force=hand.rest_length))
     seconds = sum(one.seconds for one in told)
-    fps = min(FPS, max((MOST_FRAME_BYTES / size - len(told)) / seconds, 0.5)) if seconds else FPS
+    fps = min(FPS, max((MOST_FRAME_BYTES / size - 2 * len(told)) / seconds, 0.5)) if seconds else FPS
     clips = []
     for k, one in enumerate(told):
         name = getattr(one.clip, "name", "") or ("pose" if one.clip is None else f"clip {k + 1}" if len(told) > 1 else "clip")

@@ -1,4 +1,7 @@
-"""A hand with a few sliders, for a lesson: ``MusclePanel``. Everything a slider does, ``panel.set(FDP2=0.3)`` does too."""
+"""Panels of lessons: ``MusclePanel``, a hand with a few sliders, and ``Postures``, hands side by side.
+
+Everything a slider does, ``panel.set(FDP2=0.3)`` does too.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand, Muscle
 from handlab.show.main_thread import OnMain
+from handlab.show.views import view_name
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import keyframes
 from handlab.simulation.play import simulate
@@ -157,12 +161,11 @@ class MusclePanel:
         again = ipywidgets.Button(description="Relax", tooltip="All contractions to zero, the hand back where it began")
         back: OnMain[Any] = OnMain(lambda _: self.reset())
         again.on_click(back)
-        controls = ipywidgets.VBox([*self.sliders.values(), again, self._readout, ipywidgets.HTML(BARE_STYLE)])
+        controls = ipywidgets.VBox([*self.sliders.values(), again, self._readout])
         picture = self._picture.widget
-        picture.add_class(BARE)
         picture.layout.width, controls.layout.width = "55%", "45%"
         self._refresh()
-        return ipywidgets.HBox([picture, controls])
+        return ipywidgets.HBox([picture, controls, ipywidgets.HTML(BARE_STYLE)])
 
     @cached_property
     def _readout(self) -> Any:
@@ -201,7 +204,40 @@ def shortened(clip: Clip) -> Clip:
     return replace(clip, **later)
 
 
-def picture_of(hand: Hand, state: State) -> Any:
+class Postures:
+    """States of a hand beside each other, by title: ``Postures(hand, {"zero": zero, "relaxed": hl.rest(hand)}, view="radial")``."""
+
+    def __init__(self, hand: Hand, states: Mapping[str, State], *, view: str = "palm") -> None:
+        self.hand = hand
+        self.states = dict(states)
+        self.view = view_name(view)
+
+    def __repr__(self) -> str:
+        """The titles."""
+        return f"Postures from {self.view}: {', '.join(self.states)}"
+
+    @cached_property
+    def widget(self) -> Any:
+        """All of them as one widget; each can be turned by itself."""
+        import ipywidgets
+
+        columns = []
+        for title, state in self.states.items():
+            picture = picture_of(self.hand, state, self.view)
+            picture.show(state)
+            column = ipywidgets.VBox([ipywidgets.HTML(f"<b>{escape(title)}</b>"), picture.widget])
+            column.layout.width = f"{100 // len(self.states)}%"
+            columns.append(column)
+        return ipywidgets.HBox([*columns, ipywidgets.HTML(BARE_STYLE)])
+
+    def _repr_mimebundle_(self, **how: Any) -> Any:
+        try:
+            return self.widget._repr_mimebundle_(**how)
+        except ImportError:
+            return {"text/plain": f"{self!r}\nTo see them: pip install 'handlab[lab]', or hl.sheet(hand, states)"}
+
+
+def picture_of(hand: Hand, state: State, view: str = "palm") -> Any:
     """What shows the hand: the live viewer without its own sliders, or, where anywidget is missing, drawn pictures.
 
     Both have ``widget`` and ``show(state)``.
@@ -209,7 +245,9 @@ def picture_of(hand: Hand, state: State) -> Any:
     if find_spec("anywidget") is None:
         from handlab.show.picture_widget import PictureWidget
 
-        return PictureWidget(hand)
+        return PictureWidget(hand, view=view)
     from handlab.show.widget import HandView
 
-    return HandView(hand, state, height=PICTURE_HEIGHT, panels=False)
+    shown = HandView(hand, state, height=PICTURE_HEIGHT, panels=False, view=view)
+    shown.widget.add_class(BARE)
+    return shown

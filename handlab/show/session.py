@@ -41,25 +41,17 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-import numpy as np
-
-from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.records import Hand
 from handlab.anatomy.terms import find
-from handlab.physics.muscle import muscle_force
 from handlab.show import keepsakes, wire
-from handlab.show.moments import Story, story
+from handlab.show.moments import Story
+from handlab.show.moving_hand import AWAKE, MovingHand
 from handlab.simulation.clip import Clip
-from handlab.simulation.keyframes import KeyFrames, clips, keyframes
-from handlab.simulation.play import simulate
-from handlab.simulation.skeleton import contraction_of, number, rest, step
-from handlab.simulation.skin import blend
+from handlab.simulation.keyframes import KeyFrames, clips
+from handlab.simulation.skeleton import contraction_of, number
 from handlab.simulation.state import State
 
-LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
-STILL = 2e-3  # rad/s: slower than a tenth of a degree a second nobody sees
-AWAKE = 0.3  # seconds after a change in which a hand counts as moving: it starts from rest
 MOST_REPLIES = 32
-MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
 SLOWEST, FASTEST = 0.05, 4.0
 MINE = "my clip"
 FORMATS = ("png", "mp4", "gif", "glb", "html", "csv")
@@ -75,7 +67,7 @@ class Wish:
     name: str
 
 
-class Session:
+class Session(MovingHand):
     """One hand that any number of clients look at and move.
 
     ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``skin_points``: send the points of the skin
@@ -92,16 +84,10 @@ class Session:
         skin_points: bool = False,
         exports: Iterable[str] = FORMATS,
     ) -> None:
-        self.hand = hand
         self.exports = tuple(exports)
-        self.skin_points = skin_points
-        self.own: dict[str, KeyFrames | Clip] = {}
         self._replies: deque[dict[str, Any]] = deque(maxlen=MOST_REPLIES)
         self._wishes: deque[Wish] = deque(maxlen=4)
-        self._history: deque[tuple[float, Array, Array, Array]] = deque(maxlen=MOST_HISTORY)
-        self._echo = 0
-        self.hold: tuple[str, ...] = ()
-        self._start_over()
+        super().__init__(hand, skin_points=skin_points)
         self.hold = keepsakes.held(hand, hold)
         if contraction is not None and len(contraction):
             self.contraction = contraction_of(hand, contraction)
@@ -112,21 +98,6 @@ class Session:
             self._open(name)
         elif start is not None:
             self.state = start
-
-    def _start_over(self) -> None:
-        self.state = rest(self.hand)
-        self.contraction = np.zeros(len(self.hand.muscle_names))
-        self.hold = ()
-        self.clip: Clip | None = None
-        self.clip_name = ""
-        self.clip_time = 0.0
-        self.playing, self.loop, self.speed = False, False, 1.0
-        self._recording: float | None = None
-        self._awake = 0.0
-        self._stale = True
-        self._history.clear()
-
-    # What clients get ------------------------------------------------------------------------------------------------
 
     def scene(self) -> bytes:
         """What stays, for a new client; a ``refresh`` and a ``status`` go with it."""
@@ -140,10 +111,6 @@ class Session:
         """Clips that can be played: the package's, then the user's."""
         own = [{"name": name, "title": name, "seconds": float(clip.time[-1] - clip.time[0])} for name, clip in self.own.items()]
         return [*(clip for clip in wire.named_clips() if clip["name"] not in self.own), *own]
-
-    def refresh(self) -> None:
-        """Let the next tick give a frame, and a status with it, though nothing moves."""
-        self._stale = True
 
     def replies(self) -> list[dict[str, Any]]:
         """What is to be told to the clients since the last call."""
@@ -160,85 +127,6 @@ class Session:
     def replies_kept(self) -> list[dict[str, Any]]:
         """What ``replies`` will give, which stays there."""
         return list(self._replies)
-
-    def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
-        """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""
-        self._leave()
-        self.state, self._awake = state, 0.0
-        self._history.clear()
-        self._stale = True
-        if contraction is not None:
-            self.contraction, self._awake = contraction_of(self.hand, contraction), AWAKE
-
-    def present(self) -> State:
-        """The hand as it stands."""
-        if self.clip is None:
-            return self.state
-        _, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
-        return State(self.clip_time, angle, np.zeros_like(angle), length, blend(self.hand, angle))
-
-    @property
-    def moving(self) -> bool:
-        """Whether the next tick will show something new."""
-        return self._stale or self.playing or (self.clip is None and self._awake > 0.0)
-
-    def tick(self, dt: float) -> bytes | None:
-        """``dt`` seconds of real time pass: the new frame, or None if nothing changed."""
-        if not self.moving:
-            return None
-        passed = min(max(float(dt), 0.0), LONGEST_TICK) * self.speed if isfinite(dt) else 0.0
-        if self.playing:
-            self._play_on(passed)
-        elif self.clip is None and self._awake > 0.0 and passed > 0.0:
-            self._live_on(passed)
-        self._stale = False
-        return self.frame()
-
-    def frame(self) -> bytes:
-        """The present moment as a frame."""
-        contraction, angle, length, force, skin = self._now()
-        flags = wire.MOVING * self.moving | wire.PLAYING * self.playing | wire.CLIP * (self.clip is not None)
-        return wire.frame(
-            self.hand,
-            angle,
-            time=self.state.time if self.clip is None else self.clip_time,
-            contraction=contraction,
-            fibre_length=length,
-            force=force,
-            flags=flags,
-            echo=self._echo,
-            seconds=0.0 if self.clip is None else self._seconds,
-            skin=skin if self.skin_points else None,
-        )
-
-    @property
-    def _seconds(self) -> float:
-        return 0.0 if self.clip is None else float(self.clip.time[-1] - self.clip.time[0])
-
-    def _now(self) -> tuple[Array, Array, Array, Array, Array | None]:
-        if self.clip is not None:
-            return keepsakes.between(self.clip, self.clip_time, skin=self.skin_points)
-        state = self.state
-        force = muscle_force(self.contraction, state.fibre_length / self.hand.rest_length, self.hand.max_force)
-        return self.contraction, state.angle, state.fibre_length, force, state.skin
-
-    def _play_on(self, passed: float) -> None:
-        self.clip_time += passed
-        if self.clip_time >= self._seconds:
-            if self.loop and self._seconds > 0.0:
-                self.clip_time %= self._seconds
-            else:
-                self.clip_time, self.playing = self._seconds, False
-                self._status()
-
-    def _live_on(self, passed: float) -> None:
-        self.state = step(self.hand, self.state, self.contraction, passed, hold=self.hold)
-        self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed))
-        self._awake = AWAKE if float(np.abs(self.state.speed).max()) > STILL else self._awake - passed
-        if self._recording is not None:
-            self._awake = AWAKE  # standing still belongs to a recording
-
-    # What clients ask for ----------------------------------------------------------------------------------------------
 
     def message(self, message: Any) -> None:
         """Do what a client asks. Whatever is wrong with it is answered by one sentence."""
@@ -285,20 +173,6 @@ class Session:
         self.contraction[rows] = new[rows]
         self._awake = AWAKE
 
-    def _leave(self) -> None:
-        """The live hand takes over where the clip is."""
-        if self.clip is None:
-            return
-        contraction, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
-        row = min(int(np.searchsorted(self.clip.time - self.clip.time[0], self.clip_time)), len(self.clip.time) - 1)
-        speed = self.clip.speed[row] if self.playing else np.zeros_like(angle)
-        skin = self.clip.skin(row)
-        self.state, self.contraction = State(self.state.time, angle, speed, length, skin), contraction.copy()
-        self.clip, self.clip_name, self.playing = None, "", False
-        self._history.clear()
-        self._awake = AWAKE
-        self._status()
-
     def _hold(self, message: Mapping[str, Any]) -> None:
         joints = message.get("joints")
         if not isinstance(joints, list | tuple):
@@ -323,18 +197,6 @@ class Session:
             self.clip_time = 0.0
         self.playing = self._seconds > 0.0
         self._status()
-
-    def _open(self, name: str, *, again: bool = False) -> None:
-        name = find(name, [*clips(), *self.own], kind="clip")
-        source = self.own.get(name)
-        if isinstance(source, Clip):
-            resimulated = again or bool(self.hold)
-            self.clip = keepsakes.again(source, self.hold) if resimulated and self.hold else source
-        else:
-            self.clip = simulate(self.hand, keyframes(name) if source is None else source, hold=self.hold)
-        self.clip_name, self.clip_time, self.playing, self._recording = name, 0.0, False, None
-        self._tell_track()
-        self._stale = True
 
     def _tell_track(self) -> None:
         for old in [reply for reply in self._replies if reply["kind"] == "track"]:
@@ -419,20 +281,6 @@ class Session:
 
     def _file_name(self) -> str:
         return "".join(c if c.isalnum() or c in "-_" else "-" for c in self.clip_name) or "hand"
-
-    def _shown(self, *, still: bool) -> Story:
-        if still or (self.clip is None and len(self._history) < 2):
-            contraction, angle, _, _, _ = self._now()
-            time = self.state.time if self.clip is None else self.clip_time
-            return story(keepsakes.single(self.hand, time, contraction, angle))
-        return story(self._shown_clip())
-
-    def _shown_clip(self) -> Clip:
-        if self.clip is not None:
-            return self.clip
-        if len(self._history) < 2:
-            raise ValueError("there is no motion yet; play a clip or move a muscle first")
-        return keepsakes.history_clip(self.hand, self._history, "live")
 
 
 def speed_of(value: Any) -> float:

@@ -22,7 +22,9 @@ FIRST_TICK = 1.0 / 60.0  # a hand that wakes up has not moved since the last tic
 GLUE = """
 export default {
   render({ model, el }) {
-    el.style.height = `${model.get("height")}px`;
+    const box = document.createElement("div"); // not el itself: the widget's layout takes its height away again
+    box.style.height = `${model.get("height")}px`;
+    el.append(box);
     const listeners = new Set();
     let arrived;
     const scene = new Promise((done) => { arrived = done; });
@@ -36,7 +38,7 @@ export default {
       ticks: "client", scene, send: (message) => model.send(message),
       onMessage: (listener) => { listeners.add(listener); return () => listeners.delete(listener); },
     };
-    const ready = mount(el, transport, { embedded: true, ...model.get("options") });
+    const ready = mount(box, transport, { embedded: true, ...model.get("options") });
     model.send({ kind: "hello" });
     return async () => { model.off("msg:custom", hear); (await ready).dispose(); };
   },

@@ -16,7 +16,7 @@ from handlab.show import lab
 ROOT = Path(__file__).parents[2]
 PATIENCE = 45_000  # milliseconds: two busy cores
 TOKEN = "lesson"
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("jupyterlab")]
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 
 def free_port():

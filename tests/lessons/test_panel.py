@@ -106,6 +106,18 @@ def test_without_ipywidgets_the_panel_shows_its_read_out(panel, monkeypatch):
     assert "handlab[lab]" in shown
 
 
+def test_postures_stand_side_by_side_each_in_its_own_state(hand):
+    pytest.importorskip("anywidget")
+    states = {"zero": hl.pose(hand, dict.fromkeys(hand.moving_names, 0.0)), "<relaxed>": hl.rest(hand)}
+    shown = panels.Postures(hand, states, view="radial")
+    first, second, _ = shown.widget.children
+    assert "&lt;relaxed&gt;" in second.children[0].value
+    assert first.layout.width == "50%"
+    assert "relaxed" in repr(shown)
+    with pytest.raises(KeyError, match="radial"):
+        panels.Postures(hand, states, view="radiall")
+
+
 class Widgets:
     """Sliders need ipywidgets and a picture that can be drawn."""
 

@@ -161,15 +161,19 @@ def _row(contraction: dict[str, float], hand: hl.Hand) -> np.ndarray:
 
 
 def main(names: list[str]) -> None:
-    """Solve the postures of the named clips (all, if none is named; only write the clips for ``--write``)."""
+    """Solve the postures of the named clips (all, if none is named).
+
+    ``--again`` starts from the contractions found last time, ``--write`` only writes the clips.
+    """
     hand = hl.load_hand()
     solver = Solver(hand)
-    write_only = "--write" in names
-    wanted = [name for name in names if name != "--write"] or list(CLIPS)
+    write_only, again = "--write" in names, "--again" in names
+    wanted = [name for name in names if not name.startswith("--")] or list(CLIPS)
     solved = json.loads(SOLVED.read_text(encoding="utf-8")) if SOLVED.exists() else {}
     needed = [] if write_only else list(dict.fromkeys(posture for name in wanted for posture in CLIPS[name][1]))
     for posture in tqdm(needed, desc="postures", file=sys.stderr):
-        y, contraction = solver.posture(POSTURES[posture])
+        known = solved.get(posture) if again else None
+        y, contraction = solver.refined(_row(known, hand), POSTURES[posture]) if known else solver.posture(POSTURES[posture])
         solved[posture] = {name: float(value) for name, value in zip(hand.muscle_names, contraction, strict=True) if value > 0}
         print(posture, report(solver, y, POSTURES[posture]), flush=True)
         SOLVED.write_text(json.dumps(solved, indent=1) + "\n", encoding="utf-8")

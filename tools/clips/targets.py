@@ -114,7 +114,7 @@ POSTURES: dict[str, Posture] = {
     ),
     "hook": Posture({**fingers({"mcp": (0, 27), "pip": (80, 104), "dip": (25, 65)}), **SIDE_BY_SIDE, **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
     "l": Posture(
-        {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -10), (0, 26), (-6, 12), (-8, 12)), **wrist((-25, 0))},
+        {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -15), (-6, 14), (-10, 0), (-15, -2)), **wrist((-25, 4))},
         near_palm=(3, 4, 5),
     ),
     "wave-radial": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (9, 18))}),

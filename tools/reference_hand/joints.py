@@ -24,7 +24,7 @@ THUMB_AXIAL = (17.0 / 53.0, np.radians(17.0 / 53.0 * 20.0))  # coupling of joint
 # MCP 80 and PIP 98. Assumption, within a few degrees of the axes that the skin's bent fingers and nails show: fingers that
 # flex together lie side by side, and each alone points at the scaphoid tubercle.
 LEAN_PROXIMAL = {2: -0.04, 3: 0.08, 4: 0.06, 5: 0.11}
-LEAN_MIDDLE = {2: -0.10, 3: 0.00, 4: 0.10, 5: 0.33}
+LEAN_MIDDLE = {2: -0.10, 3: 0.01, 4: 0.15, 5: 0.37}
 MCP_AXIAL = {2: 0.0, 3: -0.03, 4: -0.08, 5: -0.10}
 
 

@@ -27,9 +27,9 @@ BONE_LENGTHS_MM = {
 }
 # centre to centre a ray is not its bone's length: joint centres lie inside the heads. Differences in mm (myo-sim: anchors against meshes)
 CENTRES_MM = {1: (-10.0, 1.0, 0.0, 2.5, 0.0)} | dict.fromkeys((2, 3, 4, 5), (-6.0, 1.7, 1.3, 2.8, 0.0))
-KNUCKLE_DEPTH = 0.0095  # joint centre below the dorsal skin: half a metacarpal head (7.5 mm) and 2 mm of tissue
+KNUCKLE_DEPTH = {2: 0.0084, 3: 0.0086, 4: 0.0073, 5: 0.0076}  # joint centre below the dorsal skin: half a metacarpal head and 2 mm of tissue
 LENGTHEN = {1: 0.009, 5: 0.005}  # assumption: these two digits of the skin are short against every bone table
-DORSAL_SHIFT = 0.07  # assumption: phalanges lie this fraction of the thickness dorsal of the middle (more pulp than dorsal skin)
+DORSAL_SHIFT = 0.03  # assumption: phalanges lie this fraction of the thickness dorsal of the middle (more pulp than dorsal skin)
 CARPUS_WIDTH = np.array([0.96, 0.94, 0.90])  # the carpus narrowed along x, y, z to lie inside this wrist
 CARPUS_SHIFT = np.array([0.0, -0.002, 0.0])  # and laid 2 mm dorsally, where this skin has room
 CARPAL_TURN = (
@@ -90,7 +90,7 @@ def find_rays(person: Person, bones: BoneSet, quads: np.ndarray) -> Rays:
             have = np.linalg.norm(foot - knuckle[k])
             want = ray_lengths(k)[0] / ray_lengths(k).sum() * (have + finger + beyond)
             place = rig[k, 1] + inward * (beyond - 0.5 * (want - have))
-            place[1] = _dorsal_skin(surface, place)[1] + KNUCKLE_DEPTH
+            place[1] = _dorsal_skin(surface, place)[1] + KNUCKLE_DEPTH[k]
             knuckle[k] = 0.5 * knuckle[k] + 0.5 * place
     centres = {"wrist": np.zeros(3)} | {f"mcp{k}": knuckle[k] for k in FINGERS}
     centres["cmc1"] = carpus @ bones.anchors["cmc1"] + CARPUS_SHIFT

@@ -14,7 +14,7 @@ import igl
 import numpy as np
 import pymeshfix
 import pyvista as pv
-from scipy.ndimage import binary_fill_holes, gaussian_filter, label
+from scipy.ndimage import binary_closing, binary_fill_holes, gaussian_filter, label
 from scipy.spatial.transform import Rotation
 
 from .rays import CARPUS_SHIFT, FINGERS, Rays, section
@@ -25,7 +25,7 @@ PULP = {1: 0.0040, 2: 0.0030, 3: 0.0030, 4: 0.0030, 5: 0.0028}  # soft tissue be
 SLENDER = 0.92  # assumption: a woman's bones are this much narrower for their length than the (male) bone set
 FOREARM_WIDTH = np.array([1.0, 0.86, 0.86])  # radius and ulna narrowed to lie inside this wrist
 MARGIN = 0.0010  # bones stay this far inside the skin
-GAP = 0.0007  # least distance between the bones of a joint
+GAP = 0.0009  # least distance between the bones of a joint
 TRIANGLES = {"radius": 600, "ulna": 500} | dict.fromkeys(CARPALS, 320)
 FOREARM_CUT = -0.040  # radius and ulna end here, 5 mm inside the skin's cap
 
@@ -112,7 +112,7 @@ def place_bones(rays: Rays, source: BoneSet, surface: pv.PolyData) -> Skeleton:
     pairs = (
         chain_pairs
         + [(f"metacarpal_{k}", f"proximal_phalanx_{k}") for k in FINGERS]
-        + [("trapezium", "metacarpal_1"), ("capitate", "metacarpal_3")]
+        + [("trapezium", "metacarpal_1"), ("trapezoid", "metacarpal_2"), ("capitate", "metacarpal_3"), ("hamate", "metacarpal_5")]
     )
     for name in bones:
         skeleton.bones[name] = _remesh(*bones[name], TRIANGLES.get(name, 520), rough=name in ("radius", "ulna"))
@@ -184,6 +184,8 @@ def _remesh(points: np.ndarray, faces: np.ndarray, triangles: int, rough: bool) 
     inside = igl.fast_winding_number(points.astype(float), faces.astype(np.int64), np.asarray(grid.points, float))
     solid, _ = label(inside.reshape(size, order="F") > 0.5)
     solid = binary_fill_holes(solid == 1 + np.argmax(np.bincount(solid.ravel())[1:]))  # the bone, without crumbs and bubbles
+    while not rough and _tunnels(solid):
+        solid = binary_closing(np.pad(solid, 3), iterations=2)[3:-3, 3:-3, 3:-3]
     field = gaussian_filter(solid.astype(float), soften / step)
     if rough:
         field[np.asarray(grid.points)[:, 0].reshape(size, order="F") < FOREARM_CUT] = 0.0
@@ -198,6 +200,18 @@ def _remesh(points: np.ndarray, faces: np.ndarray, triangles: int, rough: bool) 
         raise RuntimeError("a bone could not be closed")
     even = even.compute_normals(auto_orient_normals=True, consistent_normals=True, split_vertices=False)
     return np.asarray(even.points, float), even.faces.reshape(-1, 4)[:, 1:].astype(np.int64)
+
+
+def _tunnels(solid: np.ndarray) -> int:
+    """Tunnels through a connected solid of voxels without bubbles: 1 minus its Euler characteristic."""
+    cells = np.pad(solid, 1)
+    counts = [int(cells.sum())]
+    edges = [cells | np.roll(cells, 1, axis=i) for i in range(3)]  # cubical complex of the union of closed voxels
+    counts.append(sum(int(e.sum()) for e in edges))
+    squares = [edges[i] | np.roll(edges[i], 1, axis=j) for i, j in ((0, 1), (0, 2), (1, 2))]
+    counts.append(sum(int(q.sum()) for q in squares))
+    corners = squares[0] | np.roll(squares[0], 1, axis=2)
+    return 1 - (int(corners.sum()) - counts[2] + counts[1] - counts[0])
 
 
 def _keep_near(points: np.ndarray, faces: np.ndarray, x: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wslink import register
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from handlab.show.session import Session, Wish
 
 RATE = 60.0  # frames per second at most
+SHORTEST = 0.004  # s between two steps, however many messages come
 CREDIT = 2  # frames on their way to a page at once: one travels while the other is drawn
 PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
 
@@ -145,4 +147,12 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
                 continue
             self._send(frame)
             due = max(due + 1.0 / RATE, now)
-            await asyncio.sleep(max(due - time.perf_counter(), 0.0))
+            await self._pause(due)
+
+    async def _pause(self, due: float) -> None:
+        """Wait until ``due``, less if a message comes: a slider is answered at once, a burst of messages is not."""
+        self._wake.clear()
+        await asyncio.sleep(SHORTEST)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(max(due - time.perf_counter(), 0.0)):
+                await self._wake.wait()

@@ -295,13 +295,14 @@ export class Hand3D {
 
   // Let the whole hand stand in the picture, below the buttons that cover its upper edge.
   fit(margin = 0.93) {
-    const P = this.coarse, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const axes = [this.right, this.up, this.eye];
-    for (let v = 0; v < P.length; v += 3) {
-      for (let x = 0; x < 3; x++) {
-        const s = P[v] * axes[x][0] + P[v + 1] * axes[x][1] + P[v + 2] * axes[x][2];
-        if (s < low[x]) low[x] = s;
-        if (s > high[x]) high[x] = s;
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], axes = [this.right, this.up, this.eye];
+    for (const P of [this.coarse, this.scene.arrays.skin_points]) { // the stored posture is open: a hand that opens stays in view
+      for (let v = 0; v < P.length; v += 3) {
+        for (let x = 0; x < 3; x++) {
+          const s = P[v] * axes[x][0] + P[v + 1] * axes[x][1] + P[v + 2] * axes[x][2];
+          if (s < low[x]) low[x] = s;
+          if (s > high[x]) high[x] = s;
+        }
       }
     }
     const mid = low.map((value, x) => (value + high[x]) / 2);

@@ -20,17 +20,17 @@ export const STYLE = `
 .hl-seg { display:inline-flex; border:1px solid #b9c2cb; border-radius:8px; overflow:hidden; background:rgba(255,255,255,.92); }
 .hl-seg button, .hl-btn { border:0; background:transparent; padding:5px 10px; cursor:pointer; white-space:nowrap; border-radius:0; }
 .hl-seg button + button { border-left:1px solid var(--rule); }
-.hl-btn { border:1px solid #b9c2cb; border-radius:8px; background:rgba(255,255,255,.92); }
-.hl-seg button:hover, .hl-btn:hover { background:#e8f1f8; }
-.hl-seg button[aria-pressed=true], .hl-btn[aria-pressed=true] { background:var(--blue); color:#fff; }
-.hl-btn.rec[aria-pressed=true] { background:var(--vermilion); }
+.hl .hl-btn { border:1px solid #b9c2cb; border-radius:8px; background:rgba(255,255,255,.92); }
+.hl-seg button:hover, .hl .hl-btn:hover { background:#e8f1f8; }
+.hl .hl-seg button[aria-pressed=true], .hl .hl-btn[aria-pressed=true] { background:var(--blue); color:#fff; }
+.hl .hl-btn.rec[aria-pressed=true] { background:var(--vermilion); }
 .hl button:disabled { opacity:.45; cursor:default; }
-.hl-menu { position:relative; } .hl-menu > div { position:absolute; right:0; bottom:calc(100% + 4px); z-index:6; background:#fff; border:1px solid #b9c2cb; border-radius:8px; padding:4px; box-shadow:0 6px 20px rgba(31,41,51,.18); min-width:190px; }
+.hl-menu { position:relative; } .hl-menu > div { position:absolute; right:0; bottom:calc(100% + 4px); z-index:6; background:#fff; border:1px solid #b9c2cb; border-radius:8px; padding:4px; box-shadow:0 6px 20px rgba(31,41,51,.18); width:max-content; max-width:280px; }
 .hl-menu > div[hidden] { display:none; } .hl-menu > div button { display:block; width:100%; text-align:left; border:0; background:none; padding:6px 10px; border-radius:6px; cursor:pointer; }
 .hl-menu > div button:hover, .hl-menu > div button:focus-visible { background:#e8f1f8; }
 .hl-clips { grid-column:2; grid-row:2; border-top:1px solid var(--rule); padding:8px 12px 6px; background:#fff; min-width:0; }
-.hl-chips { display:flex; flex-wrap:wrap; gap:5px; margin-bottom:6px; max-height:104px; overflow:auto; }
-.hl-chips button { border:1px solid #b9c2cb; background:#fff; border-radius:14px; padding:2px 11px; cursor:pointer; }
+.hl-chips { display:flex; flex-wrap:wrap; gap:4px; margin-bottom:6px; max-height:104px; overflow:auto; }
+.hl-chips button { border:1px solid #b9c2cb; background:#fff; border-radius:14px; padding:2px 9px; font-size:14px; cursor:pointer; }
 .hl-chips button:hover { background:#e8f1f8; } .hl-chips button[aria-pressed=true] { background:var(--blue); border-color:var(--blue); color:#fff; }
 .hl-play { display:flex; align-items:center; gap:10px; }
 .hl-play .go { width:44px; height:34px; border-radius:17px; border:0; background:var(--blue); color:#fff; cursor:pointer; flex:none; display:grid; place-items:center; }
@@ -67,13 +67,13 @@ export const STYLE = `
 .hl input[type=range]::-moz-range-thumb { width:12px; height:12px; border-radius:8px; border:2px solid #fff; background:var(--tint,var(--blue)); box-shadow:0 0 0 1px rgba(31,41,51,.35); }
 .hl input[type=range]:disabled { cursor:default; opacity:.5; }
 .hl input[aria-disabled=true] { pointer-events:none; }
-.hl-lock { border:0; background:none; padding:2px 0; cursor:pointer; color:#8a96a3; display:grid; place-items:center; width:26px; height:24px; border-radius:6px; }
-.hl-lock:hover { background:#e8f1f8; } .hl-lock svg { width:16px; height:16px; fill:currentColor; } .hl-lock[aria-pressed=true] { color:#fff; background:var(--vermilion); }
+.hl .hl-lock { border:0; background:none; padding:2px 0; cursor:pointer; color:#8a96a3; display:grid; place-items:center; width:26px; height:24px; border-radius:6px; }
+.hl-lock:hover { background:#e8f1f8; } .hl-lock svg { width:16px; height:16px; fill:currentColor; } .hl .hl-lock[aria-pressed=true] { color:#fff; background:var(--vermilion); }
 .hl-lock .shut { display:none; } .hl-lock[aria-pressed=true] .shut { display:block; } .hl-lock[aria-pressed=true] .open { display:none; }
 .hl-range { position:relative; height:12px; border-radius:6px; background:#e9edf1; overflow:hidden; }
 .hl-range b { position:absolute; top:0; bottom:0; left:0; width:100%; transform-origin:0 50%; background:#8fc3e6; }
 .hl-range i { position:absolute; top:0; bottom:0; width:2px; background:#5b6773; }
-.hl-more { border-top:1px solid var(--rule); padding:8px 12px; min-height:112px; font-size:14px; background:var(--wash); }
+.hl-more { border-top:1px solid var(--rule); padding:8px 12px; height:178px; overflow:auto; flex:none; font-size:14px; background:var(--wash); }
 .hl-more strong { display:block; font-size:15px; } .hl-more .faint, .hl-none { color:var(--faint); } .hl-none { padding:12px; }
 .hl-say { position:absolute; z-index:5; left:50%; bottom:56px; transform:translateX(-50%); max-width:86%; padding:8px 14px; border-radius:8px; background:#1f2933; color:#fff; font-size:15px; box-shadow:0 4px 18px rgba(31,41,51,.3); }
 .hl-say.bad { background:#a33a00; } .hl-say[hidden] { display:none; }
@@ -85,7 +85,8 @@ export const STYLE = `
 .hl[data-size=tiny] .hl-curves { display:none; } .hl[data-size=tiny] .hl-tabs { display:flex; grid-row:3; padding:6px 10px 0; } .hl[data-size=tiny] .hl-side { grid-row:4; border:0; }
 .hl[data-size=narrow][data-tab=muscles] .hl-side.j, .hl[data-size=narrow][data-tab=joints] .hl-side.m,
 .hl[data-size=tiny][data-tab=muscles] .hl-side.j, .hl[data-size=tiny][data-tab=joints] .hl-side.m { display:none; }
-.hl.low .hl-curves { height:140px; } .hl[data-panels=none] { grid-template-columns:minmax(0,1fr); } .hl[data-panels=none] .hl-side, .hl[data-panels=none] .hl-tabs { display:none; }
-.hl[data-panels=none] .hl-stage, .hl[data-panels=none] .hl-clips, .hl[data-panels=none] .hl-curves { grid-column:1; }
+.hl.low .hl-curves { height:128px; } .hl.low .hl-chips { flex-wrap:nowrap; overflow:auto hidden; padding-bottom:2px; scrollbar-width:thin; } .hl.low .hl-chips button { flex:none; } .hl.low .hl-more { height:120px; } .hl[data-panels=none] { grid-template:minmax(0,1fr) / minmax(0,1fr); min-height:0; }
+.hl[data-panels=none] :is(.hl-side,.hl-tabs,.hl-clips,.hl-curves,.hl-bar.bottom) { display:none; }
+.hl[data-panels=none] .hl-stage { grid-column:1; grid-row:1; }
 .hl-wait { position:absolute; inset:0; display:grid; place-items:center; color:var(--faint); font-size:18px; }
 `;

@@ -250,6 +250,7 @@ def test_exports_download_and_can_be_read_again(page, hand):
     assert path.stat().st_size < 3_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["mp4", "gif"])
 def test_a_film_of_what_is_seen_downloads_and_plays(page, kind):
     page.evaluate("handlab.send({kind: 'load', name: 'short.json', text: JSON.stringify({time: [0, 0.4], contraction: {FDP2: [0, 0.6]}})})")

@@ -61,3 +61,53 @@ def test_the_launchers_own_complaints_stay_off_the_terminal(capfd):
         os.write(2, b"a launcher complains")
     os.write(2, b"we speak")
     assert capfd.readouterr().err == "we speak"
+
+
+@pytest.fixture
+def begin(monkeypatch):
+    """``start`` without serving: what it says, and the addresses that it opens."""
+    from handlab.show.app import server
+
+    async def run(app, *, opened):
+        opened(app)
+
+    monkeypatch.setattr(server.App, "run", run)
+    addresses = []
+    monkeypatch.setattr(server, "open_page", addresses.append)
+
+    def start(**how):
+        said = []
+        server.start(lambda: None, **{"host": "127.0.0.1", "port": 0, "browser": True, "say": said.append, **how})
+        return "\n".join(said), addresses
+
+    return start
+
+
+def test_a_taken_port_is_told_and_worked_round(begin):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        said, addresses = begin(port=port)
+    assert said.startswith(f"Port {port} is taken; using ")
+    assert f":{port}/" not in said.partition("\n")[2]
+    assert len(addresses) == 1
+
+
+def test_the_browser_is_given_a_ticket_and_never_the_key(begin):
+    said, (address,) = begin()
+    key = said.partition("secret=")[2].split()[0]
+    assert len(key) >= 32
+    assert key not in address
+    assert "ticket=" in address
+
+
+def test_other_networks_bring_the_warning_before_the_address(begin, capsys):
+    said, _ = begin(host="0.0.0.0", browser=False)
+    assert "not encrypted" in capsys.readouterr().err
+    assert "http://127.0.0.1:" in said
+    assert "this computer's name" in said
+
+
+def test_no_browser_is_opened_when_none_is_wanted(begin):
+    assert begin(browser=False)[1] == []

@@ -1,0 +1,179 @@
+"""A hand in motion: live under its contractions, or in a clip. What a session shows, without anyone to show it to."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.terms import find
+from handlab.physics.muscle import muscle_force
+from handlab.show import keepsakes, wire
+from handlab.show.moments import Story, story
+from handlab.simulation.clip import Clip
+from handlab.simulation.keyframes import KeyFrames, clips, keyframes
+from handlab.simulation.play import simulate
+from handlab.simulation.skeleton import contraction_of, rest, step
+from handlab.simulation.skin import blend
+from handlab.simulation.state import State
+
+LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
+STILL = 2e-3  # rad/s: slower than a tenth of a degree a second nobody sees
+AWAKE = 0.3  # seconds after a change in which a hand counts as moving: it starts from rest
+MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
+
+
+class MovingHand:
+    """A hand, the clip that it plays if any, and what its user holds. ``own``: the user's clips by name."""
+
+    def __init__(self, hand: Hand, *, skin_points: bool = False) -> None:
+        self.hand = hand
+        self.skin_points = skin_points
+        self.own: dict[str, KeyFrames | Clip] = {}
+        self._history: deque[tuple[float, Array, Array, Array]] = deque(maxlen=MOST_HISTORY)
+        self._echo = 0
+        self._start_over()
+
+    def _status(self) -> None:
+        """Something changed that a client should know."""
+
+    def _tell_track(self) -> None:
+        """A clip was opened."""
+
+    def _start_over(self) -> None:
+        self.state = rest(self.hand)
+        self.contraction = np.zeros(len(self.hand.muscle_names))
+        self.hold: tuple[str, ...] = ()
+        self.clip: Clip | None = None
+        self.clip_name = ""
+        self.clip_time = 0.0
+        self.playing, self.loop, self.speed = False, False, 1.0
+        self._recording: float | None = None
+        self._awake = 0.0
+        self._stale = True
+        self._history.clear()
+
+    def refresh(self) -> None:
+        """Let the next tick give a frame, though nothing moves."""
+        self._stale = True
+
+    def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
+        """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""
+        self._leave()
+        self.state, self._awake = state, 0.0
+        self._history.clear()
+        self._stale = True
+        if contraction is not None:
+            self.contraction, self._awake = contraction_of(self.hand, contraction), AWAKE
+
+    def present(self) -> State:
+        """The hand as it stands."""
+        if self.clip is None:
+            return self.state
+        _, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
+        return State(self.clip_time, angle, np.zeros_like(angle), length, blend(self.hand, angle))
+
+    @property
+    def moving(self) -> bool:
+        """Whether the next tick will show something new."""
+        return self._stale or self.playing or (self.clip is None and self._awake > 0.0)
+
+    def tick(self, dt: float) -> bytes | None:
+        """``dt`` seconds of real time pass: the new frame, or None if nothing changed."""
+        if not self.moving:
+            return None
+        passed = min(max(float(dt), 0.0), LONGEST_TICK) * self.speed if isfinite(dt) else 0.0
+        if self.playing:
+            self._play_on(passed)
+        elif self.clip is None and self._awake > 0.0 and passed > 0.0:
+            self._live_on(passed)
+        self._stale = False
+        return self.frame()
+
+    def frame(self) -> bytes:
+        """The present moment as a frame."""
+        contraction, angle, length, force, skin = self._now()
+        flags = wire.MOVING * self.moving | wire.PLAYING * self.playing | wire.CLIP * (self.clip is not None)
+        return wire.frame(
+            self.hand,
+            angle,
+            time=self.state.time if self.clip is None else self.clip_time,
+            contraction=contraction,
+            fibre_length=length,
+            force=force,
+            flags=flags,
+            echo=self._echo,
+            seconds=0.0 if self.clip is None else self._seconds,
+            skin=skin if self.skin_points else None,
+        )
+
+    @property
+    def _seconds(self) -> float:
+        return 0.0 if self.clip is None else float(self.clip.time[-1] - self.clip.time[0])
+
+    def _now(self) -> tuple[Array, Array, Array, Array, Array | None]:
+        if self.clip is not None:
+            return keepsakes.between(self.clip, self.clip_time, skin=self.skin_points)
+        state = self.state
+        force = muscle_force(self.contraction, state.fibre_length / self.hand.rest_length, self.hand.max_force)
+        return self.contraction, state.angle, state.fibre_length, force, state.skin
+
+    def _play_on(self, passed: float) -> None:
+        self.clip_time += passed
+        if self.clip_time >= self._seconds:
+            if self.loop and self._seconds > 0.0:
+                self.clip_time %= self._seconds
+            else:
+                self.clip_time, self.playing = self._seconds, False
+                self._status()
+
+    def _live_on(self, passed: float) -> None:
+        self.state = step(self.hand, self.state, self.contraction, passed, hold=self.hold)
+        self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed))
+        self._awake = AWAKE if float(np.abs(self.state.speed).max()) > STILL else self._awake - passed
+        if self._recording is not None:
+            self._awake = AWAKE  # standing still belongs to a recording
+
+    def _leave(self) -> None:
+        """The live hand takes over where the clip is."""
+        if self.clip is None:
+            return
+        contraction, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
+        row = min(int(np.searchsorted(self.clip.time - self.clip.time[0], self.clip_time)), len(self.clip.time) - 1)
+        speed = self.clip.speed[row] if self.playing else np.zeros_like(angle)
+        skin = self.clip.skin(row)
+        self.state, self.contraction = State(self.state.time, angle, speed, length, skin), contraction.copy()
+        self.clip, self.clip_name, self.playing = None, "", False
+        self._history.clear()
+        self._awake = AWAKE
+        self._status()
+
+    def _open(self, name: str, *, again: bool = False) -> None:
+        name = find(name, [*clips(), *self.own], kind="clip")
+        source = self.own.get(name)
+        if isinstance(source, Clip):
+            resimulated = again or bool(self.hold)
+            self.clip = keepsakes.again(source, self.hold) if resimulated and self.hold else source
+        else:
+            self.clip = simulate(self.hand, keyframes(name) if source is None else source, hold=self.hold)
+        self.clip_name, self.clip_time, self.playing, self._recording = name, 0.0, False, None
+        self._tell_track()
+        self._stale = True
+
+    def _shown(self, *, still: bool) -> Story:
+        if still or (self.clip is None and len(self._history) < 2):
+            contraction, angle, _, _, _ = self._now()
+            time = self.state.time if self.clip is None else self.clip_time
+            return story(keepsakes.single(self.hand, time, contraction, angle))
+        return story(self._shown_clip())
+
+    def _shown_clip(self) -> Clip:
+        if self.clip is not None:
+            return self.clip
+        if len(self._history) < 2:
+            raise ValueError("there is no motion yet; play a clip or move a muscle first")
+        return keepsakes.history_clip(self.hand, self._history, "live")
