@@ -47,5 +47,5 @@ $(VENV)/run.stamp: $(VENV)/created.stamp pyproject.toml constraints.txt
 
 $(VENV)/test.stamp: $(VENV)/created.stamp pyproject.toml constraints.txt
 	@echo "Installing handlab and what its tests need into $(VENV) (once, about a minute) ..."
-	@$(INSTALL) --editable ".[test,dev]"
+	@$(INSTALL) --editable ".[lab,test,dev]"
 	@touch $@

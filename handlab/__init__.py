@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from handlab.show.curves import curves
     from handlab.show.plots import force_length, lever_arm_map
     from handlab.show.save import save
+    from handlab.show.panels import MusclePanel
     from handlab.show.sheet import sheet
+    from handlab.show.view import view
     from handlab.simulation.clip import Clip
     from handlab.simulation.keyframes import KeyFrames, clips, keyframes
     from handlab.simulation.play import simulate
@@ -46,6 +48,8 @@ _HOME = {
     "force_length": "handlab.show.plots",
     "save": "handlab.show.save",
     "sheet": "handlab.show.sheet",
+    "view": "handlab.show.view",
+    "MusclePanel": "handlab.show.panels",
 }
 
 __all__ = [
@@ -53,6 +57,7 @@ __all__ = [
     "Hand",
     "KeyFrames",
     "Muscle",
+    "MusclePanel",
     "State",
     "__version__",
     "clips",
@@ -67,6 +72,7 @@ __all__ = [
     "sheet",
     "simulate",
     "step",
+    "view",
 ]
 
 

@@ -15,7 +15,11 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     hand = hl.load_hand()
     fist = hl.simulate(hand, hl.keyframes("fist"))
-    moments = {"relaxed": fist.states[0], "closing": fist.states[int(0.55 * hl.keyframes("fist").time[2] * fist.fps)], "fist": fist.states[-1]}
+    moments = {
+        "relaxed": fist.states[0],
+        "closing": fist.states[int(0.55 * hl.keyframes("fist").time[2] * fist.fps)],
+        "fist": fist.states[-1],
+    }
     hl.sheet(hand, moments, FOLDER / "fist.png")
     held = {title: hl.simulate(hand, hl.keyframes(name)).states[-1] for name, title in HELD.items()}
     hl.sheet(hand, held, FOLDER / "postures.png", skin=["solid", "translucent"])

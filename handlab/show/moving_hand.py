@@ -17,13 +17,14 @@ from handlab.show.moments import Story, story
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips, keyframes
 from handlab.simulation.play import simulate
-from handlab.simulation.skeleton import contraction_of, rest, step
+from handlab.simulation.skeleton import contraction_of, number, rest, step
 from handlab.simulation.skin import blend
 from handlab.simulation.state import State
 
 LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
 STILL = 2e-3  # rad/s: slower than a tenth of a degree a second nobody sees
 AWAKE = 0.3  # seconds after a change in which a hand counts as moving: it starts from rest
+SLOWEST, FASTEST = 0.05, 4.0
 MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
 
 
@@ -177,3 +178,11 @@ class MovingHand:
         if len(self._history) < 2:
             raise ValueError("there is no motion yet; play a clip or move a muscle first")
         return keepsakes.history_clip(self.hand, self._history, "live")
+
+
+def speed_of(value: Any) -> float:
+    """A speed that a hand can be watched at."""
+    speed = number(value, "speed")
+    if not SLOWEST <= speed <= FASTEST:
+        raise ValueError(f"speed is {speed:g}; it lies between {SLOWEST:g} and {FASTEST:g} (1 is real time)")
+    return speed

@@ -45,14 +45,13 @@ from handlab.anatomy.records import Hand
 from handlab.anatomy.terms import find
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story
-from handlab.show.moving_hand import AWAKE, MovingHand
+from handlab.show.moving_hand import AWAKE, MovingHand, speed_of
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips
 from handlab.simulation.skeleton import contraction_of, number
 from handlab.simulation.state import State
 
 MOST_REPLIES = 32
-SLOWEST, FASTEST = 0.05, 4.0
 MINE = "my clip"
 FORMATS = ("png", "mp4", "gif", "glb", "html", "csv")
 
@@ -281,14 +280,6 @@ class Session(MovingHand):
 
     def _file_name(self) -> str:
         return "".join(c if c.isalnum() or c in "-_" else "-" for c in self.clip_name) or "hand"
-
-
-def speed_of(value: Any) -> float:
-    """A speed that a hand can be watched at."""
-    speed = number(value, "speed")
-    if not SLOWEST <= speed <= FASTEST:
-        raise ValueError(f"speed is {speed:g}; it lies between {SLOWEST:g} and {FASTEST:g} (1 is real time)")
-    return speed
 
 
 ACTS = {

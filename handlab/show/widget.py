@@ -52,7 +52,7 @@ def widget_class() -> Any:
     import anywidget
     import traitlets
 
-    class HandWidget(anywidget.AnyWidget):
+    class HandWidget(anywidget.AnyWidget):  # type: ignore[misc, unused-ignore]
         """What the notebook shows."""
 
         _esm = viewer_module(exports=False) + GLUE

@@ -47,7 +47,9 @@ def bone_depths_in_skin(hand: Hand) -> tuple[tuple[float, str], tuple[float, str
     even = depths(points, hand.skin)
     reach = float(np.abs(hand.skin_fine.height).max())  # the fine skin lies no farther from the even one
     near = np.flatnonzero(even <= even.min() + 2.0 * reach)
-    fine = depths(points[near], hand.skin_fine)
+    fine = closest(points[near], corners(hand.skin_fine))[0]
+    doubtful = even[near] <= reach  # deeper points are inside both
+    fine[doubtful] = depths(points[near][doubtful], hand.skin_fine)
     return (float(even.min()), owner[int(even.argmin())]), (float(fine.min()), owner[int(near[fine.argmin()])])
 
 

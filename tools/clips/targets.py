@@ -112,7 +112,9 @@ POSTURES: dict[str, Posture] = {
             "mcp3.deviation": (-5, 5),
         }
     ),
-    "hook": Posture({**fingers({"mcp": (0, 27), "pip": (80, 104), "dip": (25, 65)}), **SIDE_BY_SIDE, **wrist((-25, 10))}, thumb(0, 20, 10, 15)),
+    "hook": Posture(
+        {**fingers({"mcp": (0, 27), "pip": (80, 104), "dip": (25, 65)}), **SIDE_BY_SIDE, **wrist((-25, 10))}, thumb(0, 20, 10, 15)
+    ),
     "l": Posture(
         {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -15), (-6, 14), (-10, 0), (-15, -2)), **wrist((-25, 4))},
         near_palm=(3, 4, 5),

@@ -10,7 +10,7 @@ import numpy as np
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from .skin import polydata
+from .skeleton import polydata
 
 DENSITY = 1100.0
 STEP = 0.0015

@@ -27,7 +27,12 @@ BONE_LENGTHS_MM = {
 }
 # centre to centre a ray is not its bone's length: joint centres lie inside the heads. Differences in mm (myo-sim: anchors against meshes)
 CENTRES_MM = {1: (-10.0, 1.0, 0.0, 2.5, 0.0)} | dict.fromkeys((2, 3, 4, 5), (-6.0, 1.7, 1.3, 2.8, 0.0))
-KNUCKLE_DEPTH = {2: 0.0084, 3: 0.0086, 4: 0.0073, 5: 0.0076}  # joint centre below the dorsal skin: half a metacarpal head and 2 mm of tissue
+KNUCKLE_DEPTH = {
+    2: 0.0084,
+    3: 0.0086,
+    4: 0.0073,
+    5: 0.0076,
+}  # joint centre below the dorsal skin: half a metacarpal head and 2 mm of tissue
 LENGTHEN = {1: 0.009, 5: 0.005}  # assumption: these two digits of the skin are short against every bone table
 DORSAL_SHIFT = 0.03  # assumption: phalanges lie this fraction of the thickness dorsal of the middle (more pulp than dorsal skin)
 CARPUS_WIDTH = np.array([0.96, 0.94, 0.90])  # the carpus narrowed along x, y, z to lie inside this wrist

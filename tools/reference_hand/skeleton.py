@@ -195,7 +195,7 @@ def _remesh(points: np.ndarray, faces: np.ndarray, triangles: int, rough: bool) 
     dense = np.asarray(mesh.points, float), mesh.faces.reshape(-1, 4)[:, 1:].astype(np.int32)
     thin, faces = fast_simplification.simplify(*dense, target_count=triangles)
     thin, faces = pymeshfix.clean_from_arrays(thin.astype(float), faces.astype(np.int32))
-    even = pv.PolyData(thin, np.hstack([np.full((len(faces), 1), 3), faces]).ravel())
+    even = polydata(thin, faces)
     if not (even.is_manifold and even.n_open_edges == 0 and abs(even.volume / mesh.volume - 1) < 0.1):
         raise RuntimeError("a bone could not be closed")
     even = even.compute_normals(auto_orient_normals=True, consistent_normals=True, split_vertices=False)
@@ -217,6 +217,11 @@ def _tunnels(solid: np.ndarray) -> int:
 def _keep_near(points: np.ndarray, faces: np.ndarray, x: float) -> tuple[np.ndarray, np.ndarray]:
     keep = (points[faces][:, :, 0] > x - 0.06).all(axis=1)
     return points, faces[keep]
+
+
+def polydata(points: np.ndarray, faces: np.ndarray) -> pv.PolyData:
+    """Triangles as VTK knows them."""
+    return pv.PolyData(points, np.hstack([np.full((len(faces), 1), 3), faces]).ravel())
 
 
 def depth(points: np.ndarray, surface: pv.PolyData) -> np.ndarray:
@@ -247,14 +252,15 @@ def _fit_inside(skeleton: Skeleton, name: str, surface: pv.PolyData) -> None:
 def _part(skeleton: Skeleton, near: str, far: str) -> None:
     """Shorten the far bone's base until the joint has its gap."""
     points, faces = skeleton.bones[far]
-    wall = pv.PolyData(skeleton.bones[near][0], np.hstack([np.full((len(skeleton.bones[near][1]), 1), 3), skeleton.bones[near][1]]).ravel())
-    axis = _unit(points.mean(axis=0) - skeleton.bones[near][0].mean(axis=0))
-    for _ in range(40):
-        gap = depth(points, wall).min()
+    other = skeleton.bones[near][0]
+    wall = polydata(other, skeleton.bones[near][1])
+    axis = _unit(points.mean(axis=0) - other.mean(axis=0))
+    for _ in range(60):
+        gap = min(depth(points, wall).min(), depth(other, polydata(points, faces)).min())
         if gap >= GAP:
             break
         along = (points - points.mean(axis=0)) @ axis
-        share = (along.max() - along) / np.ptp(along)  # only the base gives way
+        share = (along.max() - along) / np.ptp(along)  # the tip stays, only the base gives way
         points = points + 0.6 * (GAP - gap + 1e-5) * share[:, None] ** 2 * axis
     skeleton.bones[far] = (points, faces)
 

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 import pyacvd
-import pyvista as pv
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+
+from .skeleton import polydata
 
 FOREARM_END = -0.045  # the skin is cut here (frame of the placed bones) and capped
 EVEN_POINTS = 1500
@@ -127,10 +128,6 @@ def vertex_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     for i in range(3):
         np.add.at(normals, faces[:, i], area)
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
-def polydata(points: np.ndarray, faces: np.ndarray) -> pv.PolyData:
-    return pv.PolyData(points, np.hstack([np.full((len(faces), 1), 3), faces]).ravel())
 
 
 def _parts(faces: np.ndarray) -> np.ndarray:

@@ -12,7 +12,8 @@ import { STYLE } from "./style.js";
 
 const PANEL_MS = 80; // numbers and sliders need not change faster
 const CURVE_MS = 100;
-const SLOW_MS = 220; // both, where the processor draws everything
+const SLOW_MS = 350; // both, where the processor draws everything
+const MARK_MS = 100; // there, between two steps of the line that marks the time
 const TICK_TIMEOUT_MS = 3000;
 const SAY_MS = 6000;
 const DEGREES = 180 / Math.PI;
@@ -466,7 +467,8 @@ class Viewer {
     }
     this.panelsDue();
     if (!this.track.whole) this.curvesDue();
-    this.mark();
+    const now = performance.now();
+    if (!this.hand.software || !frame.moving || now - (this.markedAt || 0) > MARK_MS) { this.markedAt = now; this.mark(); }
     this.ticked(frame.moving);
   }
 
