@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+from cyclopts import App, Parameter
 
 import handlab
+from handlab.mistakes import INTERRUPTED, TROUBLE, USAGE_ERROR, answered
 from handlab.show.app.place import PORT, checked_port
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from handlab.show.session import Session
     from handlab.simulation.clip import Clip
 
-USAGE_ERROR = 2
-TROUBLE = 1
-INTERRUPTED = 130
 PICTURES_SIZE = (1280, 720)
 PICTURES_FPS = 30.0
 
@@ -88,17 +85,9 @@ def pictures(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> N
         Open the film where a program can.
     """
     from handlab.show.opening import open_file
-    from handlab.show.save import save
-    from handlab.show.sheet import sheet
-    from handlab.show.views import FOUR_SIDES
+    from handlab.show.pictures import draw
 
-    folder.mkdir(parents=True, exist_ok=True)
-    hand = load("right", "sound")
-    clip = simulated(hand, "fist")
-    film = save(clip, folder / "fist.mp4", view=FOUR_SIDES, skin=["solid", "translucent"], size=PICTURES_SIZE, fps=PICTURES_FPS)
-    moments = {f"{clip.time[k]:.1f} s": clip.states[k] for k in (0, len(clip) // 3, len(clip) - 1)}
-    picture = folder / "fist.png"
-    sheet(hand, moments, picture)
+    film, picture = draw(simulated(load("right", "sound"), "fist"), folder, size=PICTURES_SIZE, fps=PICTURES_FPS)
     say(f"film     {film}", f"picture  {picture}")
     if not (show and open_file(film)):
         say("Open them with any player and viewer.")
@@ -263,9 +252,6 @@ def doctor() -> int:
     return 0 if all(finding.ok for finding in found) else TROUBLE
 
 
-COMMANDS = tuple(name for name in app if not name.startswith("-"))
-
-
 def load(side: Side, reading: Reading) -> Hand:
     """The reference hand."""
     from handlab.anatomy.load import load_hand
@@ -304,42 +290,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def answer(arguments: Sequence[str]) -> int:
     """The exit code of a command line: 0, 1 (doctor found trouble), 2 (a mistake, in one sentence), 130 (interrupted)."""
-    if os.environ.get("HANDLAB_DEBUG") == "1":
-        return int(app(list(arguments)) or 0)
-    try:
-        return int(app(list(arguments)) or 0)
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except BrokenPipeError:
-        sys.stdout = None  # the reader (head, less) has seen enough; Python would complain again when it closes the stream
-        return 0
-    except UnusedCliTokensError as error:
-        extra = list(error.unused_tokens or ())
-        return complain(no_command(extra[0]) if list(arguments[:1]) == extra[:1] else f"cannot tell what {' '.join(extra)!r} means here")
-    except CycloptsError as error:
-        return complain(str(error))
-    except (ValueError, LookupError, OSError, RuntimeError, TypeError) as error:
-        return complain(str(error) or type(error).__name__)
-    except Exception as error:
-        return complain(f"{type(error).__name__}: {error} (this should not happen; HANDLAB_DEBUG=1 shows where)")
+    return answered(app, arguments)
 
 
-def no_command(word: str) -> str:
-    """What to say about a word that is no command, with the nearest ones."""
-    from handlab.anatomy.terms import find
-
-    try:
-        find(word, COMMANDS, kind="command")
-    except LookupError as error:
-        return str(error)
-    return f"{word!r} stands in the wrong place"
-
-
-def complain(text: str) -> int:
-    """One sentence on standard error."""
-    print(f"handlab: {' '.join(text.split())}", file=sys.stderr)
-    return USAGE_ERROR
-
+__all__ = ["INTERRUPTED", "TROUBLE", "USAGE_ERROR", "answer", "app", "main"]
 
 if __name__ == "__main__":
     main()

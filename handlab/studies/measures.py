@@ -81,10 +81,16 @@ def skin_distance(hand: Hand, skin: Array, points: Index, triangles: Index) -> A
 
 
 def pulp_gap(hand: Hand, skin: Array, first: int, second: int) -> float:
-    """Least signed distance between the skin of two fingertips; negative where they overlap."""
-    pulp, faces = pulps(hand), segment_faces(hand)
-    there = skin_distance(hand, skin, pulp[first], faces[f"distal_phalanx_{second}"])
-    return float(min(there.min(), skin_distance(hand, skin, pulp[second], faces[f"distal_phalanx_{first}"]).min()))
+    """Least signed distance between two pulps, skin to skin; negative where they overlap."""
+    pulp, faces = pulps(hand), _pulp_faces(hand)
+    there = skin_distance(hand, skin, pulp[first], faces[second])
+    return float(min(there.min(), skin_distance(hand, skin, pulp[second], faces[first]).min()))
+
+
+@per_hand
+def _pulp_faces(hand: Hand) -> dict[int, Index]:
+    """Triangles whose corners all belong to a pulp."""
+    return {k: np.flatnonzero(np.isin(hand.skin.faces, points).all(axis=1)) for k, points in pulps(hand).items()}
 
 
 def pulp_normal(hand: Hand, skin: Array, k: int) -> Array:
@@ -95,8 +101,9 @@ def pulp_normal(hand: Hand, skin: Array, k: int) -> Array:
 
 
 def facing(hand: Hand, skin: Array, first: int, second: int) -> float:
-    """Angle between one pulp's normal and the reverse of the other's: 0 when pulp meets pulp squarely."""
-    return float(np.arccos(np.clip(-pulp_normal(hand, skin, first) @ pulp_normal(hand, skin, second), -1.0, 1.0)))
+    """Angle between the normal of one pulp and the way from its middle to the middle of the other: 0 when it faces it squarely."""
+    way = skin[pulps(hand)[second]].mean(axis=0) - skin[pulps(hand)[first]].mean(axis=0)
+    return float(np.arccos(np.clip(pulp_normal(hand, skin, first) @ way / np.linalg.norm(way), -1.0, 1.0)))
 
 
 def pulp_to_bodies(hand: Hand, skin: Array, k: int, bodies: tuple[str, ...]) -> float:

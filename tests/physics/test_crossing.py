@@ -121,3 +121,26 @@ def test_overlaps_among_many_triangles_are_those_that_sampling_finds():
     assert not (sampled & ~found).any()
     assert (found & ~sampled).sum() <= 3  # overlaps thinner than the samples
     assert 10 < sampled.sum() < 60
+
+
+def test_a_crumpled_ball_crosses_itself_where_solving_every_edge_against_every_triangle_says():
+    points, faces = arrays(pv.Icosphere(radius=0.02, nsub=2))
+    rng = np.random.default_rng(3)
+    points = points * rng.uniform(0.6, 1.4, (len(points), 1)) + rng.normal(0, 0.003, points.shape)
+    expected = np.zeros(len(faces), dtype=bool)
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    for p, q in {(min(v, w), max(v, w)) for face in faces.tolist() for v, w in zip(face, [*face[1:], face[0]], strict=True)}:
+        free = ~np.isin(faces, [p, q]).any(axis=1)
+        system = np.stack([b - a, c - a, np.broadcast_to(points[p] - points[q], a.shape)], axis=2)
+        u, v, t = np.linalg.solve(system, (points[p] - a)[:, :, None])[:, :, 0].T
+        expected |= free & (u > 0) & (v > 0) & (u + v < 1) & (t > 0) & (t < 1)
+    assert 20 < expected.sum() < len(faces)
+    np.testing.assert_array_equal(self_crossings(points, faces, FLAT), expected)
+
+
+def test_a_line_through_two_balls_ends_at_the_first_wall_whichever_ball_is_listed_first(ball):
+    points, faces = ball
+    near, far = points[faces], (points + np.array([0.1, 0.0, 0.0]))[faces]
+    for order in ((near, far), (far, near)):
+        found = leaving(np.array([[0.001, 0.0011, 0.0007]]), np.array([1.0, 0.0, 0.0]), np.concatenate(order))
+        assert found[0] == pytest.approx(0.019, abs=2e-4)

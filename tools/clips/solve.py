@@ -63,7 +63,8 @@ class Solver:
         skin = blend(self.hand, angle)
         for k in posture.meet:
             r.append((measures.pulp_gap(self.hand, skin, 1, k) - PULP_GAP) / 0.0007)
-            r.append(max(0.0, np.degrees(measures.facing(self.hand, skin, 1, k)) - 28.0) / 4.0)
+            r.append(max(0.0, np.degrees(measures.facing(self.hand, skin, 1, k)) - 30.0) / 3.0)
+            r.append(max(0.0, np.degrees(measures.facing(self.hand, skin, k, 1)) - 40.0) / 4.0)
         for k, bodies in posture.rest_on.items():
             r += [max(0.0, measures.pulp_to_bodies(self.hand, skin, k, (body,)) - 0.002) / 0.0015 for body in bodies]
         for k in posture.near_palm:
@@ -191,7 +192,8 @@ def report(solver: Solver, y: np.ndarray, posture: Posture) -> str:
         if n in posture.window and not posture.window[n][0] <= np.degrees(v) <= posture.window[n][1]
     ]
     gaps = [
-        f"gap {k} {measures.pulp_gap(hand, skin, 1, k) * 1000:.1f} mm facing {np.degrees(measures.facing(hand, skin, 1, k)):.0f}"
+        f"gap {k} {measures.pulp_gap(hand, skin, 1, k) * 1000:.1f} mm facing {np.degrees(measures.facing(hand, skin, 1, k)):.0f} and "
+        f"{np.degrees(measures.facing(hand, skin, k, 1)):.0f}"
         for k in posture.meet
     ]
     gaps += [

@@ -85,7 +85,7 @@ POSTURES: dict[str, Posture] = {
         wrist((-30, -5)),
         {
             **thumb(16, 38, 12, 22),
-            **fingers({"mcp": 52, "pip": 48, "dip": 25}, (2,)),
+            **fingers({"mcp": 58, "pip": 42, "dip": 15}, (2,)),
             **fingers({"mcp": 40, "pip": 50, "dip": 25}, (3, 4, 5)),
         },
         meet=(2,),
@@ -97,7 +97,7 @@ POSTURES: dict[str, Posture] = {
     ),
     "ok": Posture(
         {**fingers({"mcp": (-10, 20), "pip": (0, 22), "dip": (0, 20)}, (3, 4, 5)), **wrist((-30, 0))},
-        {**thumb(16, 38, 15, 30), **fingers({"mcp": 52, "pip": 62, "dip": 30}, (2,))},
+        {**thumb(18, 36, 15, 20), **fingers({"mcp": 55, "pip": 50, "dip": 18}, (2,))},
         meet=(2,),
     ),
     "thumbs-up": Posture({**fingers(CLOSED), **thumb((-20, -8), (0, 34), (-8, 12), (-12, 10)), **wrist((-20, 8))}, near_palm=FINGERS),
@@ -125,16 +125,12 @@ POSTURES: dict[str, Posture] = {
     f"opposition-{name}": Posture(
         wrist((-30, -3)),
         {
-            **thumb(24, 40, 18, 25),
-            **fingers({"mcp": 55, "pip": 48, "dip": 25}, (k,)),
+            **thumb(20, 40, 15, 15),
+            **fingers({"mcp": 58, "pip": 40, "dip": 12}, (k,)),
             **fingers({"mcp": 22, "pip": 30, "dip": 14}, tuple(m for m in FINGERS if m != k)),
         },
         meet=(k,),
-        starts=(
-            {},
-            fingers({"mcp": 65, "pip": 55, "dip": 30}, (k,)),
-            thumb(30, 36, 10, 10) | fingers({"mcp": 70, "pip": 40, "dip": 25}, (k,)),
-        ),
+        starts=({}, thumb(28, 30, 15, 25) | fingers({"mcp": 65, "pip": 50, "dip": 20}, (k,))),
     )
     for k, name in ((2, "index"), (3, "middle"), (4, "ring"), (5, "little"))
 }

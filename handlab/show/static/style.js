@@ -73,7 +73,7 @@ export const STYLE = `
 .hl-range { position:relative; height:12px; border-radius:6px; background:#e9edf1; overflow:hidden; }
 .hl-range b { position:absolute; top:0; bottom:0; left:0; width:100%; transform-origin:0 50%; background:#8fc3e6; }
 .hl-range i { position:absolute; top:0; bottom:0; width:2px; background:#5b6773; }
-.hl-more { border-top:1px solid var(--rule); padding:8px 12px; height:178px; overflow:auto; flex:none; font-size:14px; background:var(--wash); }
+.hl-more { border-top:1px solid var(--rule); padding:8px 12px; height:206px; overflow:auto; flex:none; font-size:14px; background:var(--wash); }
 .hl-more strong { display:block; font-size:15px; } .hl-more .faint, .hl-none { color:var(--faint); } .hl-none { padding:12px; }
 .hl-say { position:absolute; z-index:5; left:50%; bottom:56px; transform:translateX(-50%); max-width:86%; padding:8px 14px; border-radius:8px; background:#1f2933; color:#fff; font-size:15px; box-shadow:0 4px 18px rgba(31,41,51,.3); }
 .hl-say.bad { background:#a33a00; } .hl-say[hidden] { display:none; }

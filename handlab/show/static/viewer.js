@@ -538,7 +538,8 @@ class Viewer {
     if (this.more.dataset.muscle !== muscle.short || !this.aboutNumbers?.isConnected) {
       this.more.dataset.muscle = muscle.short;
       this.aboutNumbers = make("div");
-      this.more.replaceChildren(make("strong", { textContent: `${capital(muscle.title)}` }), make("div", { textContent: `${muscle.action}; ${muscle.nerve} nerve`.replace("nerve nerve", "nerve") }), this.aboutNumbers, make("div", { className: "faint", textContent: this.scene.newton_note }));
+      this.more.replaceChildren(make("strong", { textContent: `${capital(muscle.title)}` }), this.aboutNumbers, make("div", { className: "faint", textContent: this.scene.newton_note }),
+        make("div", { textContent: `${capital(muscle.action)}; ${muscle.nerve} nerve`.replace("nerve nerve", "nerve") }));
     }
     const length = this.frame ? this.frame.length[k] : muscle.rest_length, force = this.frame ? this.frame.force[k] : 0;
     this.aboutNumbers.textContent = `length ${(length * 1000).toFixed(1)} mm (rest ${(muscle.rest_length * 1000).toFixed(1)}), force ${force.toFixed(0)} of ${muscle.max_force.toFixed(0)} N`;

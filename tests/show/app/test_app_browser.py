@@ -1,6 +1,5 @@
 """The command's page in a real browser."""
 
-import contextlib
 import csv
 import http.server
 import json
@@ -317,15 +316,29 @@ def test_two_tabs_show_the_same_hand_and_one_may_be_closed_in_mid_clip(page, tab
     assert served.alive()
 
 
-def test_a_reload_keeps_key_and_hand(page):
+def test_a_reload_keeps_key_and_hand_and_the_address_bar_never_shows_the_key(chromium, served):
+    page = chromium.new_page(viewport=SIZE)
+    page.set_default_timeout(BEFORE_WE_GIVE_UP)
+    page.goto(served.address)
+    page.wait_for_function("window.handlab && handlab.stats.first_ms > 0")
     slide(page, "FDP2", 60)
     settled(page)
     before = angles(page)
     assert "secret" not in page.url
-    with contextlib.suppress(AssertionError):
-        page.goto(page.url.partition("?")[0] + "?secret=" + page.evaluate("sessionStorage.getItem('handlab-key')"))
+    page.reload()
     page.wait_for_function("window.handlab && handlab.stats.first_ms > 0")
     assert np.abs(angles(page) - before).max() < DEGREE
+    assert "secret" not in page.url
+    page.close()
+
+
+def test_a_wrong_key_shows_what_to_do_and_no_hand(chromium, served):
+    page = chromium.new_page(viewport=SIZE)
+    page.goto(served.address.replace(served.key, "wrong"))
+    assert "open the one that handlab printed" in " ".join(page.inner_text("body").split())
+    page.wait_for_timeout(500)
+    assert page.query_selector("#handlab-view") is None
+    page.close()
 
 
 def test_an_idle_page_gets_no_frames_and_draws_nothing(page, served):

@@ -358,3 +358,25 @@ def test_a_clip_plays_smoothly(live):
         rates.append(1000 * (after[0] - before[0]) / (after[1] - before[1]))
     # Every frame of this host goes through the test's own process; on a machine that is busy with other tests it is slower still.
     assert 8 < max(rates) <= 70
+
+
+def test_any_motions_of_the_bodies_are_blended_as_the_kernel_blends_them(live, hand):
+    from scipy.spatial.transform import Rotation
+
+    from handlab.simulation.skin import blend_into
+
+    host = live()
+    random = np.random.default_rng(5)
+    motion = np.tile(np.eye(4), (len(hand.body_names), 1, 1))
+    motion[:, :3, :3] = Rotation.random(len(motion), random_state=5).as_matrix()
+    motion[:, :3, 3] = random.uniform(-0.1, 0.1, (len(motion), 3))
+    motion[:, :3] = motion[:, :3].astype("<f4")
+    wanted = np.empty_like(hand.skin.points)
+    blend_into(hand, motion, wanted)
+    shown = host.page.evaluate(
+        "(motion) => { handlab.hand.pose({ motion }); return Array.from(handlab.hand.coarse); }", motion[:, :3].ravel().tolist()
+    )
+    # Where bodies pull a point to opposite sides the blend is short, and single precision shows.
+    error = np.linalg.norm(np.array(shown).reshape(-1, 3) - wanted, axis=1)
+    assert np.percentile(error, 99) < 5e-6
+    assert error.max() < 1e-3
