@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from handlab.anatomy.load import load_hand
     from handlab.anatomy.records import Hand, Muscle
     from handlab.show.curves import curves
+    from handlab.show.panels import MusclePanel
     from handlab.show.plots import force_length, lever_arm_map
     from handlab.show.save import save
-    from handlab.show.panels import MusclePanel
     from handlab.show.sheet import sheet
     from handlab.show.view import view
     from handlab.simulation.clip import Clip

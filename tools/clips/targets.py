@@ -116,7 +116,12 @@ POSTURES: dict[str, Posture] = {
         {**fingers({"mcp": (0, 27), "pip": (80, 104), "dip": (25, 65)}), **SIDE_BY_SIDE, **wrist((-25, 10))}, thumb(0, 20, 10, 15)
     ),
     "l": Posture(
-        {**fingers(STRAIGHT, (2,)), **fingers(CLOSED, (3, 4, 5)), **thumb((-20, -15), (-6, 14), (-10, 0), (-15, -2)), **wrist((-25, 4))},
+        {
+            **fingers(STRAIGHT, (2,)),
+            **fingers({"mcp": (70, 77), "pip": (88, 98), "dip": (40, 60)}, (3, 4, 5)),
+            **thumb((-20, -15), (-6, 14), (-10, 0), (-15, -2)),
+            **wrist((-25, 4)),
+        },
         near_palm=(3, 4, 5),
     ),
     "wave-radial": Posture({**fingers(STRAIGHT), **SIDE_BY_SIDE, **THUMB_OUT, **wrist((-15, 5), (9, 18))}),
@@ -141,15 +146,15 @@ SINGLE = (1.6, 0.8, 1.0)
 CLIPS: dict[str, tuple[str, tuple[str, ...], float, float, float]] = {
     "open": ("The hand opens", ("open",), *SINGLE),
     "fist": ("The hand closes its fist", ("fist",), 1.0, 1.2, 1.0),
-    "point": ("The index finger points", ("point",), *SINGLE),
+    "point": ("The index finger points", ("point",), 2.2, 0.6, 1.0),
     "pinch": ("Tip pinch of thumb and index finger", ("pinch",), *SINGLE),
     "key-pinch": ("Key pinch: the thumb against the side of the index finger", ("key-pinch",), *SINGLE),
     "ok": ("OK", ("ok",), *SINGLE),
-    "thumbs-up": ("Thumbs up", ("thumbs-up",), *SINGLE),
+    "thumbs-up": ("Thumbs up", ("thumbs-up",), 2.2, 0.6, 1.0),
     "spread": ("The fingers spread", ("spread",), *SINGLE),
     "hook": ("Hook grip", ("hook",), *SINGLE),
     "l": ("L: thumb and index finger", ("l",), 1.9, 0.7, 1.0),
-    "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 1.5, 0.4, 0.15),
+    "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 2.0, 0.3, 0.15),
     "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05, 1.0),
     "opposition": (
         "The thumb meets each finger",
