@@ -244,6 +244,12 @@ def test_a_truncated_mesh_file_is_named(copy, keep):
         handlab.load_hand(copy)
 
 
+def test_a_mesh_file_with_something_behind_it_is_named(copy):
+    (copy / "hand.glb").write_bytes((copy / "hand.glb").read_bytes() + b"more")
+    with pytest.raises(ValueError, match=r"not a complete glTF 2\.0 binary file"):
+        handlab.load_hand(copy)
+
+
 def with_document(path, change):
     """A binary glTF file whose JSON text is changed."""
     whole = path.read_bytes()

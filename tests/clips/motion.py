@@ -11,7 +11,7 @@ import handlab
 from handlab.studies import measures
 
 FPS = 10  # samples along the motion: one every 0.1 s
-STAYS = 0.3  # seconds of constant contraction that count as holding
+STAYS = 0.2  # seconds of constant contraction that count as holding
 FINGERS = (2, 3, 4, 5)
 
 
@@ -82,14 +82,16 @@ class Motion:
         return 1e3 * measures.pulp_gap(hand(), self.clip.skin(frame), 1, finger)
 
     def facing(self, finger, frame):
-        return float(np.rad2deg(measures.facing(hand(), self.clip.skin(frame), 1, finger)))
+        """Angle between the thumb's pulp and the way to the finger's, and between the finger's pulp and the way back."""
+        skin = self.clip.skin(frame)
+        return tuple(float(np.rad2deg(measures.facing(hand(), skin, *pair))) for pair in ((1, finger), (finger, 1)))
 
     def to_palm(self, digit, frame):
         return 1e3 * measures.pulp_to_palm(hand(), self.clip.skin(frame), digit)
 
-    def thumb_to(self, body, frame):
-        """From the thumb's pulp to the skin of a phalanx."""
-        return 1e3 * measures.pulp_to_bodies(hand(), self.clip.skin(frame), 1, (body,))
+    def thumb_to(self, bodies, frame):
+        """From the thumb's pulp to the skin of these bodies; whether it lies inside is asked of ``flesh``."""
+        return abs(1e3 * measures.pulp_to_bodies(hand(), self.clip.skin(frame), 1, bodies))
 
 
 def volume(skin):

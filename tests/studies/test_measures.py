@@ -39,7 +39,8 @@ def between(one, other):
 
 
 def patch(hand, skin, k):
-    return poly(skin, hand.skin.faces[measures.segment_faces(hand)[f"distal_phalanx_{k}"]])
+    """The pulp's own triangles."""
+    return poly(skin, hand.skin.faces[np.isin(hand.skin.faces, measures.pulps(hand)[k]).all(axis=1)])
 
 
 def shifted(hand, skin, k, by):
@@ -175,16 +176,20 @@ def test_the_distance_to_the_palm_is_that_of_the_surfaces(hand, skin):
 # ---------------------------------------------------------------- facing
 
 
-def test_pulps_that_look_at_each_other_face_at_0_and_parallel_ones_at_180(hand, skin):
-    moved = skin.copy()
+def test_a_pulp_faces_what_lies_in_front_of_it(hand, skin):
+    """Fingers side by side look past each other; one turned over and laid in front of the other faces it, behind it not."""
+    assert np.linalg.norm(measures.pulp_normal(hand, skin, 2)) == pytest.approx(1.0)
+    assert np.radians(60) < measures.facing(hand, skin, 2, 3) < np.radians(120)
     tip = np.flatnonzero(hand.skin.weights[:, hand.body_names.index("distal_phalanx_2")] > 0.5)
-    one, other = measures.pulp_normal(hand, skin, 2), measures.pulp_normal(hand, skin, 3)
-    assert np.linalg.norm(one) == pytest.approx(1.0)
-    assert measures.facing(hand, skin, 2, 3) == pytest.approx(np.pi - np.arccos(one @ other), abs=1e-12)
-    assert measures.facing(hand, skin, 2, 3) > np.radians(120)
-    centre = skin[tip].mean(axis=0)
-    moved[tip] = centre + (skin[tip] - centre) * [1.0, -1.0, -1.0]  # half a turn about x: the pulp looks dorsally
-    assert measures.facing(hand, moved, 2, 3) < np.radians(60)
+    pulp, other = measures.pulps(hand)[2], measures.pulps(hand)[3]
+    ahead = measures.pulp_normal(hand, skin, 3)
+    for distance, most in ((0.02, np.radians(40)), (-0.02, None)):
+        moved = skin.copy()
+        moved[tip] = skin[tip] * [1.0, -1.0, -1.0]  # half a turn about x
+        moved[tip] += skin[other].mean(axis=0) + distance * ahead - moved[pulp].mean(axis=0)
+        there, back = measures.facing(hand, moved, 3, 2), measures.facing(hand, moved, 2, 3)
+        assert there == pytest.approx(0.0 if most else np.pi, abs=1e-6)
+        assert (back < most) if most else (back > np.radians(140))
 
 
 def test_measures_of_the_left_hand_are_those_of_the_right(hand, skin):

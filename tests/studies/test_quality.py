@@ -163,6 +163,14 @@ def test_a_bone_that_leaves_the_skin_is_named(hand):
     assert "proximal_phalanx_3" in row.measured
 
 
+def test_a_bone_that_leaves_the_fine_skin_alone_is_named(hand):
+    shallow = hand.with_(skin_fine=replace(hand.skin_fine, points=frozen(hand.skin_fine.points + np.array([0, 2.5 * MM, 0]))))
+    row = named(module._bones(shallow), "least depth")
+    assert not row.ok
+    assert not row.measured.startswith("-")
+    assert "fine skin -" in row.measured
+
+
 def test_a_bone_of_the_wrong_length_is_named(hand):
     long = with_bone(hand, "metacarpal_3", lambda bone: replace(bone, points=frozen(bone.points * [1.25, 1, 1])))
     row = named(module._bones(long), "bone lengths")
