@@ -302,12 +302,12 @@ def test_thumbs_up_is_a_fist_with_the_thumb_up(hand):
 
 @group("l")
 def test_thumb_and_index_finger_stand_as_an_l(hand):
-    """Index finger straight, the others closed, and 45 to 110 degrees between it and the thumb."""
+    """Index finger straight, the others closed, and 38 to 60 degrees between it and the thumb, whose limits allow 48."""
     played = motion("l")
     assert straight(played, -1, (2,)) and closed(played, -1, (3, 4, 5))
     angle = played.clip.angle[-1]
     between = np.rad2deg(np.arccos(of_thumb(hand, angle) @ of_finger(hand, angle, 2)))
-    assert 45.0 <= between <= 110.0
+    assert 38.0 <= between <= 60.0
 
 
 @group("key-pinch")

@@ -96,7 +96,7 @@ def test_the_places_lie_where_anatomy_says(hand):
         along = centre[f"dip{finger}"] - centre[f"pip{finger}"]
         assert (at[2 + k] - centre[f"dip{finger}"]) @ along > 0.0
     for k, joint in ((6, "dip5"), (7, "pip5"), (9, "mcp5")):
-        assert at[k][1] - centre[joint][1] > 0.004  # palmar
+        assert at[k][1] - centre[joint][1] > 0.003  # palmar
         assert np.linalg.norm(at[k] - centre[joint]) < 0.025
     assert 0.25 < (at[8] - centre["mcp5"])[0] / (centre["pip5"] - centre["mcp5"])[0] < 0.75  # the base crease lies beyond the joint
     assert np.all(np.diff([place[0] for place in at[5:]]) < -0.003)  # tip, creases, palm: ever more proximal
@@ -114,11 +114,12 @@ def test_the_left_hand_scores_as_the_right(hand, found):
     [(15.0, 0.0, 4, 6), (10.0, 45.0, 6, 8)],
     ids=["no abduction", "little flexion"],
 )
-def test_a_thumb_whose_saddle_joint_moves_less_scores_less(hand, flexion, abduction, least, most):
+def test_a_thumb_whose_saddle_joint_moves_less_reaches_fewer_places(hand, flexion, abduction, least, most):
     """The fingers still come to meet it; the base of the little finger and the palm stay out of reach."""
     stiff = with_limits(hand, cmc1__flexion_opposition=(-20.0, flexion), cmc1__abduction_adduction=(-7.0, abduction))
     result = kapandji(stiff)
-    assert least <= result.score <= most
+    assert least <= sum(stage.reached for stage in result.stages) <= most
+    assert result.score < 10
     assert not result.stages[9].reached and 0.010 < result.stages[9].distance < 0.030
 
 

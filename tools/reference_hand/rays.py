@@ -15,16 +15,12 @@ from scipy.interpolate import PchipInterpolator
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from handlab.anatomy.bone_lengths import bone_lengths_mm
+
 from .sources import BoneSet, Person
 
-# Buryanov & Kotiuk 2010 (facts/bone_lengths.csv), mm: metacarpal, proximal, middle, distal phalanx, pulp
-BONE_LENGTHS_MM = {
-    1: (46.22, 31.57, 0.0, 21.67, 5.67),
-    2: (68.12, 39.78, 22.38, 15.82, 3.84),
-    3: (64.60, 44.63, 26.33, 17.40, 3.95),
-    4: (58.00, 41.37, 25.65, 17.30, 3.95),
-    5: (53.69, 32.74, 18.11, 15.96, 3.73),
-}
+PARTS = ("metacarpal", "proximal_phalanx", "middle_phalanx", "distal_phalanx", "pulp")
+BONE_LENGTHS_MM = {k: tuple(row.get(part, 0.0) for part in PARTS) for k, row in bone_lengths_mm().items()}  # Buryanov & Kotiuk 2010
 # centre to centre a ray is not its bone's length: joint centres lie inside the heads. Differences in mm (myo-sim: anchors against meshes)
 CENTRES_MM = {1: (-10.0, 1.0, 0.0, 2.5, 0.0)} | dict.fromkeys((2, 3, 4, 5), (-6.0, 1.7, 1.3, 2.8, 0.0))
 KNUCKLE_DEPTH = {
