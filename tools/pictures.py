@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 from pathlib import Path
 
 import handlab as hl
@@ -27,6 +30,32 @@ def main() -> None:
     hl.save(hl.curves(fist, muscles=["FDP2", "FDS2", "EDC2", "LUM1"], joints=["mcp2", "pip2", "dip2"]), FOLDER / "curves.png")
     hl.save(hl.lever_arm_map(hand), FOLDER / "lever_arms.png")
     hl.save(hl.force_length(hand, fist.states[-1]), FOLDER / "force_length.png")
+    live_view()
+
+
+def live_view() -> None:
+    """The page that ``handlab`` opens, with the pinch held, solid and translucent (needs playwright and Chromium)."""
+    from playwright.sync_api import sync_playwright
+
+    command = [sys.executable, "-m", "handlab.cli", "--no-browser", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as play:
+        assert server.stdout is not None
+        address = next(found.group(0) for line in server.stdout if (found := re.search(r"http://\S+", line)))
+        browser = play.chromium.launch(
+            executable_path="/usr/bin/chromium",
+            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+        )
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.goto(address)
+        page.get_by_role("button", name="pinch", exact=True).click(timeout=60_000)
+        page.get_by_role("button", name="radial", exact=True).click()
+        page.wait_for_timeout(6_000)
+        page.screenshot(path=FOLDER / "viewer.png")
+        page.get_by_role("button", name="translucent", exact=True).click()
+        page.wait_for_timeout(2_000)
+        page.screenshot(path=FOLDER / "viewer_translucent.png")
+        browser.close()
+        server.terminate()
 
 
 if __name__ == "__main__":
