@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from handlab.show.view import view
     from handlab.simulation.clip import Clip
     from handlab.simulation.keyframes import KeyFrames, clips, keyframes
+    from handlab.simulation.laws import Laws
     from handlab.simulation.play import simulate
+    from handlab.simulation.settle import settle
     from handlab.simulation.skeleton import pose, rest, step
     from handlab.simulation.state import State
 
@@ -42,7 +44,9 @@ _HOME = {
     "keyframes": "handlab.simulation.keyframes",
     "clips": "handlab.simulation.keyframes",
     "Clip": "handlab.simulation.clip",
+    "Laws": "handlab.simulation.laws",
     "simulate": "handlab.simulation.play",
+    "settle": "handlab.simulation.settle",
     "curves": "handlab.show.curves",
     "lever_arm_map": "handlab.show.plots",
     "force_length": "handlab.show.plots",
@@ -56,6 +60,7 @@ __all__ = [
     "Clip",
     "Hand",
     "KeyFrames",
+    "Laws",
     "Muscle",
     "MusclePanel",
     "State",
@@ -69,6 +74,7 @@ __all__ = [
     "pose",
     "rest",
     "save",
+    "settle",
     "sheet",
     "simulate",
     "step",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from handlab.anatomy import data, tables
+from handlab.anatomy.capsule import Capsule
 from handlab.anatomy.glb import read_glb
 from handlab.anatomy.mirror import mirrored
+from handlab.anatomy.passive import passive, printed_friction
 from handlab.anatomy.records import Array, Body, Bone, DegreeOfFreedom, FineSkin, Hand, Joint, Named, Skin, frozen
 from handlab.anatomy.terms import BONES, UnknownName
 
@@ -25,8 +26,8 @@ def load_hand(path: str | os.PathLike[str] | None = None, *, side: str | None = 
     """Load the reference hand, or a hand saved in the folder ``path``.
 
     ``side``: "right" or "left"; where it is not the side of the stored hand, that is mirrored. ``reading``: "sound", or "printed":
-    lever arms, rest lengths and MCP limits as printed in the paper, the straight hand as posture of rest length, no passive
-    stiffness, no collateral ligaments. Not given, both are as saved; the reference hand is right and sound.
+    lever arms, rest lengths and MCP limits as printed in the paper, the straight hand as posture of rest length, hard
+    limits without capsule, no stiffness, no collateral ligaments. Not given, both are as saved; the reference hand is right and sound.
     Raises ``ValueError`` for an unknown side or reading or a broken file, ``FileNotFoundError`` if ``path`` holds no hand.
 
     >>> hand = load_hand()
@@ -80,9 +81,8 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         )
         joints[name] = Joint(name, row.english, row.parent, row.child, frozen(place["centre_m"]), dofs)
     flat = [dof for row in rows.values() for dof in row.dofs]
-    bind = [math.radians(geometry["joints"][dof.joint]["dofs"][dof.name]["bind_deg"]) for dof in flat]
-    # The paper starts from the straight hand; the followers' offsets (thumb pronation) hold there too.
-    rest = [_straight(dof, {d.name: d for d in flat}) if printed else dof.fibre_rest for dof in flat]
+    bind = [np.radians(geometry["joints"][dof.joint]["dofs"][dof.name]["bind_deg"]) for dof in flat]
+    found = passive()
     settings = geometry.get("settings", {})
     own = settings if reading == geometry.get("reading") else {}  # another reading has its own posture and stiffness
     return Hand(
@@ -97,22 +97,21 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         muscles=Named("muscle", tables.muscles(), tables.aliases()),
         feature_points=Named("feature point", geometry["feature_points"]),
         bind=frozen(bind),
-        fibre_rest=frozen(own.get("fibre_rest_rad", rest)),
-        stiffness=frozen(own.get("stiffness", [0.0 if printed else dof.stiffness for dof in flat])),
-        collateral=dict(own.get("collateral", {} if printed else _collateral())),
+        fibre_rest=frozen(own.get("fibre_rest_rad", tables.fibre_rest("flat" if printed else "relaxed"))),
+        relaxed=frozen(settings.get("relaxed_rad", tables.fibre_rest("relaxed"))),
+        stiffness=frozen(own.get("stiffness", np.zeros(len(flat)) if printed else found.stiffness)),
+        friction=frozen(own.get("friction", np.full(len(flat), printed_friction()) if printed else found.friction)),
+        capsule=_capsule(own["capsule"]) if "capsule" in own else None if printed else found.capsule,
+        collateral=dict(own.get("collateral", {} if printed else found.collateral)),
         newton_per_percent=float(settings.get("newton_per_percent", tables.newton_per_percent())),
-        friction=float(settings.get("friction", tables.friction())),
         sources=geometry["sources"],
     )
 
 
-def _straight(dof: tables.DofRow, dofs: dict[str, tables.DofRow]) -> float:
-    return 0.0 if dof.driver is None else dof.ratio * _straight(dofs[dof.driver], dofs) + dof.offset
-
-
-def _collateral() -> dict[str, float]:
-    row = tables.collateral_ligaments()
-    return {"range_fraction_at_90": row["range_fraction"], "stiffness_factor_at_90": row["stiffness_factor"]}
+def _capsule(saved: dict[str, Any] | None) -> Capsule | None:
+    if saved is None:
+        return None
+    return Capsule(frozen(saved["width"]), frozen(saved["torque"]), frozen(saved["time"]), float(saved["hard_stop"]))
 
 
 def _skin(arrays: dict[str, Any], bodies: list[str]) -> Skin:

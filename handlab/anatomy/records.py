@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from handlab.anatomy.capsule import Capsule as Capsule
 from handlab.anatomy.meshes import Array as Array
 from handlab.anatomy.meshes import FineSkin as FineSkin
 from handlab.anatomy.meshes import Index as Index
@@ -25,6 +26,8 @@ from handlab.anatomy.meshes import Mesh as Mesh
 from handlab.anatomy.meshes import Skin as Skin
 from handlab.anatomy.meshes import frozen as frozen
 from handlab.anatomy.named import Named as Named
+from handlab.anatomy.pseudo_muscles import LeverArm as LeverArm
+from handlab.anatomy.pseudo_muscles import Muscle as Muscle
 
 
 @dataclass(frozen=True)
@@ -85,89 +88,15 @@ class Joint:
     dofs: tuple[DegreeOfFreedom, ...]
 
 
-@dataclass(frozen=True)
-class LeverArm:
-    """One row of Table 1: signed lever arm of a muscle at a degree of freedom, in metres.
-
-    ``used`` is the default reading, ``printed`` the reading ``printed``; ``reason`` says why they differ.
-    ``printed_basis``: "printed", "analogous", "printed at another joint" (then ``printed`` is 0 here)
-    or "not printed, used value".
-    """
-
-    dof: str
-    used: float
-    printed: float
-    printed_as: str | None
-    printed_basis: str
-    status: str
-    reason: str | None
-    confidence: str
-    sources: tuple[str, ...]
-    remark: str | None = None
-    assumption: bool = False
-
-
-@dataclass(frozen=True)
-class Muscle:
-    """One pseudo muscle of Table 1.
-
-    ``rest_length`` is the default reading and ``rest_length_printed`` the reading ``printed``, both in metres;
-    ``rest_length_basis`` is "printed" or "not printed, used value". ``paralysed_in`` names lesions like ``high_median``.
-    """
-
-    name: str
-    abbreviation: str
-    latin: str
-    group: str
-    region: str
-    rest_length: float
-    rest_length_printed: float
-    rest_length_basis: str
-    rest_length_source: str
-    tension_percent: float
-    tension_source: str
-    nerve: str
-    branch: str
-    roots: str
-    paralysed_in: tuple[str, ...]
-    partially_paralysed_in: tuple[str, ...]
-    action: str
-    origin: str
-    insertion: str
-    lever_arms: tuple[LeverArm, ...]
-    remarks: tuple[str, ...] = ()
-    also_called: tuple[str, ...] = ()
-
-    def __repr__(self) -> str:
-        return muscle_table(self)
-
-
-def muscle_table(muscle: Muscle) -> str:
-    """The muscle as a small table with units and sources."""
-    other = "" if muscle.rest_length_printed == muscle.rest_length else f" (printed {muscle.rest_length_printed * 1000:.1f} mm)"
-    lines = [
-        f"{muscle.name} ({muscle.abbreviation}), {muscle.group}, {muscle.region}",
-        f"  rest length      {muscle.rest_length * 1000:6.1f} mm   [{muscle.rest_length_source}]{other}",
-        f"  tension fraction {muscle.tension_percent:6.1f} %    [{muscle.tension_source}]",
-        f"  nerve            {muscle.nerve} ({muscle.roots})",
-        f"  origin           {muscle.origin}",
-        f"  insertion        {muscle.insertion}",
-        f"  action           {muscle.action}",
-        "  lever arm                        used mm  printed mm  source",
-    ]
-    lines += [
-        f"    {arm.dof:<30} {arm.used * 1000:+7.1f}  {arm.printed * 1000:+9.1f}   {', '.join(arm.sources)} ({arm.status})"
-        for arm in muscle.lever_arms
-    ]
-    return "\n".join(lines)
-
-
 @dataclass(frozen=True, eq=False)
 class Hand:
     """A hand: meshes, joints, muscles and the arrays that mechanics needs. Never changes; ``with_...`` returns another.
 
     Order of all arrays: muscles as in ``muscle_names`` (42), degrees of freedom as in ``dof_names`` (31),
     moving coordinates as in ``moving_names`` (23), rigid bodies as in ``body_names`` (19, parents first).
+
+    Fibres have their rest length at ``fibre_rest`` (dof,) rad. Passive structures: springs of ``stiffness`` (dof,) about
+    ``relaxed`` (dof,), ``friction`` (dof,), ``capsule`` (None: hard limits), ``collateral`` ligaments of the finger MCP joints.
     """
 
     name: str
@@ -182,10 +111,12 @@ class Hand:
     feature_points: Mapping[str, Mapping[str, int]]
     bind: Array
     fibre_rest: Array
+    relaxed: Array
     stiffness: Array
+    friction: Array
+    capsule: Capsule | None
     collateral: Mapping[str, float]
     newton_per_percent: float
-    friction: float
     sources: Mapping[str, Any] = field(repr=False)
 
     def __repr__(self) -> str:
@@ -281,6 +212,17 @@ class Hand:
         if not np.isfinite(newton_per_percent) or newton_per_percent <= 0:
             raise ValueError(f"newton_per_percent is {newton_per_percent}; it must be a positive number (20 is the default, an assumption)")
         return self.with_(newton_per_percent=float(newton_per_percent))
+
+    def with_fibre_rest(self, posture: str | Array) -> Hand:
+        """Another hand whose fibres have their rest length in ``posture``: ``"flat"`` (the paper), ``"relaxed"`` (the default),
+        ``"half-closed"``, or angles (dof,) in radians. Followers take the angle that their driver gives them."""
+        from handlab.anatomy.tables import fibre_rest
+
+        return self.with_(fibre_rest=fibre_rest(posture) if isinstance(posture, str) else frozen(posture))
+
+    def without_passive(self) -> Hand:
+        """Another hand without stiffness, capsule and collateral ligaments: joints that only friction and hard limits hold."""
+        return self.with_(stiffness=frozen(np.zeros(len(self.stiffness))), capsule=None, collateral={})
 
     def save(self, folder: str | PathLike[str]) -> Path:
         """Write this hand into ``folder``, whole or not at all; ``load_hand(folder)`` gives it back (see ``store.save_hand``)."""

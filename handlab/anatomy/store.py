@@ -115,10 +115,12 @@ def _table(hand: Hand) -> dict[str, Any]:
         "feature_points": {name: dict(views) for name, views in hand.feature_points.items()},
         "settings": {
             "newton_per_percent": hand.newton_per_percent,
-            "friction": hand.friction,
+            "friction": hand.friction.tolist(),
             "fibre_rest_rad": hand.fibre_rest.tolist(),
             "stiffness": hand.stiffness.tolist(),
             "collateral": dict(hand.collateral),
+            "relaxed_rad": hand.relaxed.tolist(),
+            "capsule": None if hand.capsule is None else {name: np.asarray(v).tolist() for name, v in asdict(hand.capsule).items()},
         },
         "sources": dict(hand.sources),
     }
@@ -134,11 +136,14 @@ def degrees(angle: float) -> float:
 
 def _check(hand: Hand, again: Hand) -> None:
     """Refuse to keep files that do not give the hand back."""
-    lost = [name for name in ("name", "side", "reading", "newton_per_percent", "friction") if getattr(hand, name) != getattr(again, name)]
+    lost = [name for name in ("name", "side", "reading", "newton_per_percent") if getattr(hand, name) != getattr(again, name)]
     lost += [name for name in ("muscles", "feature_points", "collateral") if dict(getattr(hand, name)) != dict(getattr(again, name))]
-    for name in ("bind", "fibre_rest", "stiffness", "limits", "coupling", "coupling_offset"):
+    for name in ("bind", "fibre_rest", "relaxed", "stiffness", "friction", "limits", "coupling", "coupling_offset"):
         if not np.allclose(getattr(hand, name), getattr(again, name), rtol=0.0, atol=CLOSE):
             lost.append(name)
+    one, other = ({} if capsule is None else asdict(capsule) for capsule in (hand.capsule, again.capsule))
+    if one.keys() != other.keys() or not all(_alike(np.asarray(value), np.asarray(other[name])) for name, value in one.items()):
+        lost.append("capsule")
     for name in ("skin", "skin_fine"):
         for key, values in asdict(getattr(hand, name)).items():
             if not _alike(values, getattr(getattr(again, name), key)):

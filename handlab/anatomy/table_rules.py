@@ -56,7 +56,8 @@ def _value(file: str, where: str, record: Mapping[str, Any], key: str) -> Any:
     return record[key]
 
 
-def _number(file: str, where: str, record: Mapping[str, Any], key: str) -> float:
+def number(file: str, where: str, record: Mapping[str, Any], key: str) -> float:
+    """A finite number of a record, or ``TableError``."""
     value = _value(file, where, record, key)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise TableError(f"{file}: {key} of {where} is {value!r}; it must be a finite number")
@@ -96,7 +97,7 @@ def validate_muscles(table: Mapping[str, Any], sources: Mapping[str, Any], dofs:
             _value(file, name, row, key)
         rest = row["rest_length"]
         for record, key in ((rest, "used_mm"), (rest, "printed_mm"), (row["tension"], "percent")):
-            if _number(file, name, record, key) <= 0.0:
+            if number(file, name, record, key) <= 0.0:
                 raise TableError(f"{file}: {key} of {name} is {record[key]}; it must be positive")
         _word(file, f"the rest length of {name}", rest, "printed_basis", (PRINTED, NOT_PRINTED))
         if rest["printed_basis"] == NOT_PRINTED and rest["used_mm"] != rest["printed_mm"]:
@@ -109,8 +110,8 @@ def validate_muscles(table: Mapping[str, Any], sources: Mapping[str, Any], dofs:
 def _check_arm(file: str, muscle: str, arm: Mapping[str, Any], dofs: tuple[str, ...]) -> None:
     where = f"the lever arm of {muscle} at {arm['dof']}"
     known_name(f"{file}, {muscle}", "degree of freedom", arm["dof"], dofs)
-    used = _number(file, where, arm, "used_mm")
-    printed = _number(file, where, arm, "printed_mm")
+    used = number(file, where, arm, "used_mm")
+    printed = number(file, where, arm, "printed_mm")
     _word(file, where, arm, "status", STATUS_WORDS)
     _word(file, where, arm, "confidence", CONFIDENCE_WORDS)
     basis = _word(file, where, arm, "printed_basis", BASES)
@@ -143,8 +144,8 @@ def validate_joints(table: Mapping[str, Any], sources: Mapping[str, Any]) -> Non
         for key in ("dof", "driver"):
             if coupling[key] not in rows:
                 raise TableError(f"{file}: a coupling names {coupling[key]!r}, which no joint has")
-        _number(file, f"the coupling of {coupling['dof']}", coupling, "ratio")
-        _number(file, f"the coupling of {coupling['dof']}", coupling, "offset_deg")
+        number(file, f"the coupling of {coupling['dof']}", coupling, "ratio")
+        number(file, f"the coupling of {coupling['dof']}", coupling, "offset_deg")
         drivers[coupling["dof"]] = coupling["driver"]
     for name in drivers:
         seen, leader = {name}, drivers[name]
@@ -158,14 +159,12 @@ def validate_joints(table: Mapping[str, Any], sources: Mapping[str, Any]) -> Non
         if "printed_limits" in row:
             _range(file, name, row["printed_limits"])
         if name in drivers:
-            if "fibre_rest" in row or "stiffness" in row:
-                raise TableError(f"{file}: {name} follows {drivers[name]}, so it can have no 'fibre_rest' or 'stiffness' of its own")
+            if "fibre_rest" in row:
+                raise TableError(f"{file}: {name} follows {drivers[name]}, so it can have no 'fibre_rest' of its own")
             continue
-        rest = _number(file, f"fibre_rest of {name}", _value(file, name, row, "fibre_rest"), "deg")
+        rest = number(file, f"fibre_rest of {name}", _value(file, name, row, "fibre_rest"), "deg")
         if not low <= rest <= high:
             raise TableError(f"{file}: the relaxed posture of {name}, {rest:g} degrees, lies outside its limits {low:g} to {high:g}")
-        if _number(file, f"stiffness of {name}", _value(file, name, row, "stiffness"), "newton_metre_per_rad") <= 0.0:
-            raise TableError(f"{file}: the stiffness of {name} must be positive")
 
 
 def _range(file: str, name: str, record: Mapping[str, Any]) -> tuple[float, float]:

@@ -14,17 +14,20 @@ from types import MappingProxyType
 from typing import Any
 
 from handlab.anatomy.data import read_json
-from handlab.anatomy.records import LeverArm, Muscle
+from handlab.anatomy.meshes import Array, frozen
+from handlab.anatomy.pseudo_muscles import LeverArm, Muscle
 from handlab.anatomy.table_rules import NOT_PRINTED, check_sources, known_name, validate_joints, validate_muscles
-from handlab.anatomy.terms import BONES, SIGNS
+from handlab.anatomy.terms import BONES, SIGNS, find
+
+FIBRE_REST = ("flat", "relaxed", "half-closed")
 
 
 @dataclass(frozen=True)
 class DofRow:
-    """One degree of freedom as the tables know it: everything but axis and anchor. Radians and N m/rad.
+    """One degree of freedom as the tables know it: everything but axis and anchor. Radians.
 
     ``printed_limits`` are the paper's (equal to ``limits`` where it gives none of its own). A follower has a ``driver``:
-    angle = ``ratio`` * driver + ``offset``; its ``stiffness`` is 0 and its ``fibre_rest`` follows from the driver's.
+    angle = ``ratio`` * driver + ``offset``; its ``fibre_rest`` follows from the driver's.
     """
 
     name: str
@@ -35,7 +38,6 @@ class DofRow:
     printed_limits: tuple[float, float]
     sources: tuple[str, ...]
     fibre_rest: float
-    stiffness: float
     driver: str | None = None
     ratio: float = 0.0
     offset: float = 0.0
@@ -199,7 +201,6 @@ def joints_table() -> dict[str, JointRow]:
             printed_limits=(math.radians(printed["deg"][0]), math.radians(printed["deg"][1])),
             sources=tuple(key for key in sources() if key in found),
             fibre_rest=math.radians(rest_deg(name)),
-            stiffness=float(row["stiffness"]["newton_metre_per_rad"]) if coupling is None else 0.0,
             driver=coupling["driver"] if coupling else None,
             ratio=float(coupling["ratio"]) if coupling else 0.0,
             offset=math.radians(coupling["offset_deg"]) if coupling else 0.0,
@@ -221,22 +222,25 @@ def joints_table() -> dict[str, JointRow]:
     }
 
 
-def collateral_ligaments() -> dict[str, float]:
-    """How MCP flexion tightens the collateral ligaments: the fraction of the deviation range left, and the factor of its
-    stiffness, at ``at_rad`` of flexion (90 degrees)."""
-    row = _joint_table()["collateral_ligaments"]
-    return {
-        "at_rad": math.radians(row["at_deg"]),
-        "range_fraction": float(row["range_fraction"]),
-        "stiffness_factor": float(row["stiffness_factor"]),
-    }
-
-
 def newton_per_percent() -> float:
     """Newtons per percent of tension fraction: an assumption, settable on every hand."""
     return float(_muscle_table()["meta"]["force_scale"]["newton_per_percent"])
 
 
-def friction() -> float:
-    """mu of equation (2'), read as a viscous coefficient in N m s/rad."""
-    return float(_joint_table()["meta"]["friction"]["newton_metre_second_per_rad"])
+
+def fibre_rest(posture: str) -> Array:
+    """Angles (dof,) in radians of a posture in which fibres may have their rest length; followers follow.
+
+    ``flat``: the straight hand, as in the paper; ``relaxed``: a cascade that rises from index to little finger (the default);
+    ``half-closed``: the same with fingers and wrist of a half-closed hand. Any other name raises ``UnknownName``.
+    """
+    dofs = {dof.name: dof for joint in joints_table().values() for dof in joint.dofs}
+    posture = find(posture, FIBRE_REST, kind="posture of rest length")
+    own = {name: 0.0 if posture == "flat" else dof.fibre_rest for name, dof in dofs.items()}
+    if posture == "half-closed":
+        own |= {row["dof"]: math.radians(row["deg"]) for row in _joint_table()["half_closed"]}
+
+    def angle(dof: DofRow) -> float:
+        return own[dof.name] if dof.driver is None else dof.ratio * angle(dofs[dof.driver]) + dof.offset
+
+    return frozen([angle(dof) for dof in dofs.values()])

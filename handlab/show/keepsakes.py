@@ -15,7 +15,8 @@ from handlab.simulation.clip import Clip
 from handlab.simulation.keyframe_files import refused
 from handlab.simulation.keyframes import KeyFrames
 from handlab.simulation.play import simulate
-from handlab.simulation.skeleton import contraction_of, fibre_lengths, held_coordinates, pose
+from handlab.simulation.mechanics import fibre_lengths
+from handlab.simulation.skeleton import contraction_of, held_coordinates, pose
 from handlab.simulation.skin import blend
 from handlab.simulation.state import State
 
@@ -168,13 +169,14 @@ def read_pose(hand: Hand, content: dict[str, Any]) -> Pose:
 
 
 def within(hand: Hand, name: str, angle: float) -> float:
-    """The angle, moved into its limits if it is less than two degrees outside."""
-    from handlab.simulation.skeleton import mechanics
+    """The angle, moved to what its capsule gives if it is less than two degrees further out."""
+    from handlab.simulation.mechanics import mechanics
 
     if name not in hand.moving_names:
         return angle
-    low, high = mechanics(hand).limits[hand.moving_names.index(name)]
-    nearest = float(np.clip(angle, low, high))
+    m = mechanics(hand)
+    low, high = m.limits[hand.moving_names.index(name)]
+    nearest = float(np.clip(angle, low - m.hard_stop, high + m.hard_stop))
     return nearest if abs(nearest - angle) < np.deg2rad(2.0) else angle
 
 

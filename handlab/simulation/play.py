@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from math import ceil, floor, isfinite
+from math import floor, isfinite
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import muscle_force
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, Source, keyframes
-from handlab.simulation.skeleton import SUBSTEP, coupled, fibre_lengths, held_coordinates, integrate, mechanics, number
+from handlab.simulation.laws import SOUND, Laws
+from handlab.simulation.mechanics import coupled, fibre_lengths, mechanics
+from handlab.simulation.skeleton import held_coordinates, integrate, number, substeps_of
 from handlab.simulation.state import State
 
 CHUNK = 1200  # substeps between two reports of progress, and a whole number of INERTIA_EVERY
@@ -25,14 +27,15 @@ def simulate(
     fps: float = 60.0,
     hold: Iterable[str] = (),
     start: State | None = None,
+    laws: Laws = SOUND,
     progress: Callable[[float], None] | None = None,
 ) -> Clip:
     """The motion that key frames (or the name of a clip, a mapping, a file) give, from ``start`` or the relaxed hand.
 
     ``seconds``: until the last key if not given; ``fps``: frames per second; ``hold``: joints or degrees of freedom that
-    an examiner's hand holds; ``progress`` is called with the finished fraction in [0, 1].
+    an examiner's hand holds; ``laws``: which laws of motion, and gravity (see ``Laws``); ``progress`` is called with the finished fraction in [0, 1].
 
-    Substeps lie on one grid of ``SUBSTEP`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
+    Substeps lie on one grid of ``laws.substep`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
     same motion. A frame between two substeps is interpolated linearly.
     """
     keys = keyframes(source).for_hand(hand)
@@ -43,10 +46,10 @@ def simulate(
             raise ValueError("these key frames end at 0 s; say how long to simulate, such as seconds=2")
     seconds = positive(seconds, "seconds", "seconds, such as 2")
     time = np.arange(floor(seconds * fps + 1e-6) + 1) / fps
-    y, speed = path(hand, keys, ceil(seconds / SUBSTEP - 1e-6), time, hold, start, progress)
+    y, speed = path(hand, keys, substeps_of(seconds, laws), time, hold, start, laws, progress)
     angle = coupled(hand, y)
     contraction, length = keys.at(time), fibre_lengths(hand, angle)
-    force = muscle_force(contraction, length / hand.rest_length, hand.max_force)
+    force = muscle_force(contraction, length / hand.rest_length, hand.max_force, reading=laws.force)
     return Clip(
         hand=hand,
         time=frozen(time),
@@ -68,6 +71,7 @@ def path(
     time: Array,
     hold: Iterable[str],
     start: State | None,
+    laws: Laws,
     progress: Callable[[float], None] | None,
 ) -> tuple[Array, Array]:
     """Moving coordinates and speeds (T, moving) at ``time`` (T,)."""
@@ -76,13 +80,13 @@ def path(
     y = m.rest_y if start is None else start.angle[m.moving]
     speed = np.zeros(len(y)) if start is None else start.speed[m.moving]
     out_y, out_speed = np.empty((len(time), len(y))), np.empty((len(time), len(y)))
-    at = np.minimum(time / SUBSTEP, substeps)
+    at = np.minimum(time / laws.substep, substeps)
     # a frame that lies on the grid but for rounding is taken from the grid
     at = np.where(np.abs(at - np.rint(at)) < 1e-6, np.rint(at), at)
     for begin in range(0, max(substeps, 1), CHUNK):
         n = min(CHUNK, substeps - begin)
-        contraction = keys.at((begin + np.arange(n) + 0.5) * SUBSTEP)
-        path_y, path_speed = integrate(hand, y, speed, contraction, SUBSTEP, held)
+        contraction = keys.at((begin + np.arange(n) + 0.5) * laws.substep)
+        path_y, path_speed = integrate(hand, y, speed, contraction, laws.substep, held, laws)
         frames = np.flatnonzero((at >= begin) & (at <= begin + n))
         low = np.minimum(np.floor(at[frames] - begin).astype(np.int64), n - 1)
         part = (at[frames] - begin - low)[:, None]

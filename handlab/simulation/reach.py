@@ -15,11 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import active_force_length
 from handlab.simulation.balance import contraction_for, muscle_ratio, settled, stops, tangent
-from handlab.simulation.skeleton import contraction_of, held_coordinates, mechanics, pose, rest
+from handlab.simulation.laws import Laws
+from handlab.simulation.mechanics import mechanics
+from handlab.simulation.skeleton import contraction_of, held_coordinates, pose, rest
 from handlab.simulation.state import State
 
 # Degrees of error that one muscle at full contraction is worth, in radians (an assumption: small).
 EFFORT = np.deg2rad(0.5)
+# Where a hand settles does not depend on its inertia, so the quicker law of motion serves.
+QUICK = Laws(dynamics="decoupled")
 LARGEST_STEP = 0.3  # of a contraction in one round
 SMALLEST_STEP = 0.002
 SECONDS = 4.0  # the slowest joint has come to rest: friction over stiffness is below 0.4 s
@@ -91,7 +95,7 @@ def reach(
     free = ~held_coordinates(hand, hold)
 
     def at(contraction: Array) -> tuple[State, float]:
-        state = settled(hand, contraction, hold=hold, start=start, seconds=SECONDS)
+        state = settled(hand, contraction, hold=hold, start=start, seconds=SECONDS, laws=QUICK)
         error = np.where(free, scale * (state.angle[m.moving] - aim), 0.0)
         return state, float(np.sum(error**2) + effort**2 * np.sum((contraction - wanted) ** 2))
 
@@ -117,6 +121,6 @@ def reach(
             step *= 0.4
             if step < SMALLEST_STEP:
                 break
-    found = settled(hand, contraction, hold=hold, start=start if any(~free) else rest(hand), seconds=SECONDS)
+    found = settled(hand, contraction, hold=hold, start=start if any(~free) else rest(hand), seconds=SECONDS, laws=QUICK)
     off = {name: float(found.angle[hand.dof_names.index(hand.dofs[name].name)] - value) for name, value in target.items()}
     return Reached(frozen(contraction), found, off)

@@ -13,7 +13,7 @@ import handlab
 from handlab.anatomy import data, glb, store
 from handlab.anatomy.load import exact_weights
 from handlab.anatomy.records import frozen
-from handlab.simulation.skeleton import mechanics
+from handlab.simulation.mechanics import mechanics
 
 REFERENCE = data.folder() / "reference_hand"
 
@@ -99,11 +99,16 @@ def test_settings_are_saved_with_the_hand(tmp_path, hand):
     rest = np.array(hand.fibre_rest)
     rest[5] += 0.1
     mine = hand.with_newton_per_percent(25.0).with_(
-        friction=0.03, fibre_rest=frozen(rest), stiffness=frozen(0.5 * hand.stiffness), name="mine"
+        friction=frozen(2.0 * hand.friction), fibre_rest=frozen(rest), stiffness=frozen(0.5 * hand.stiffness), name="mine",
+        relaxed=frozen(rest), capsule=replace(hand.capsule, torque=frozen(2.0 * hand.capsule.torque)),
     )
     mine.save(tmp_path / "mine")
     again = handlab.load_hand(tmp_path / "mine")
     assert differences(mine, again) == []
+    np.testing.assert_array_equal(again.capsule.torque, 2.0 * hand.capsule.torque)
+    np.testing.assert_allclose(again.friction, 2.0 * hand.friction)
+    mine.without_passive().save(tmp_path / "bare")
+    assert handlab.load_hand(tmp_path / "bare").capsule is None
     other = handlab.load_hand(tmp_path / "mine", side="left", reading="printed")
     assert (other.side, other.reading, other.newton_per_percent, other.stiffness.max()) == ("left", "printed", 25.0, 0.0)
 

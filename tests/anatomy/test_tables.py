@@ -14,7 +14,7 @@ from handlab.anatomy.table_rules import TableError
 from handlab.anatomy.terms import BODIES, BONES, SIGNS
 
 DATA = Path(__file__).parents[1] / "data"
-FILES = ("muscles.json", "joints.json", "thenar_rows.json")
+FILES = ("muscles.json", "joints.json", "thenar_rows.json", "passive.json")
 DOF_ORDER = (
     *("wrist.flexion_extension", "wrist.deviation"),
     *("cmc1.flexion_opposition", "cmc1.abduction_adduction", "cmc1.axial_rotation", "mcp1.flexion_extension", "ip1.flexion_extension"),
@@ -412,28 +412,6 @@ def test_the_relaxed_posture_is_a_cascade_between_the_two_postures_that_were_tri
     assert all(rest[f"mcp{k}.deviation"] == 0 for k in (2, 3, 4, 5))
 
 
-def test_moving_joints_have_a_small_stiffness_and_followers_none():
-    stiffness = {name: dof.stiffness for name, dof in dofs().items()}
-    assert stiffness["wrist.deviation"] == 0.5
-    assert stiffness["cmc1.flexion_opposition"] == 0.15
-    assert stiffness["pip3.flexion_extension"] == 0.04
-    assert stiffness["dip3.flexion_extension"] == 0.035
-    for dof in dofs().values():
-        assert (dof.stiffness == 0) == (dof.driver is not None)
-        assert dof.stiffness == 0 or 0.035 <= dof.stiffness <= 0.5
-
-
-def test_fingers_cannot_be_spread_in_a_fist():
-    ligament = tables.collateral_ligaments()
-    assert ligament["at_rad"] == pytest.approx(math.pi / 2)
-    assert 0.1 <= ligament["range_fraction"] <= 0.25
-    assert 5 <= ligament["stiffness_factor"] <= 10
-
-
-def test_friction_is_the_printed_figure():
-    assert tables.friction() == 0.015
-
-
 def test_joints_connect_the_19_bodies_to_one_tree_and_name_their_bones():
     joints = tables.joints_table()
     children = [joint.child for joint in joints.values() if joint.dofs]
@@ -511,8 +489,6 @@ def rows_of(content):
         (lambda content: rows_of(content)["mcp2.deviation"]["limits"].update(deg=[15, -15]), "the lower one first"),
         (lambda content: rows_of(content)["mcp2.deviation"]["limits"].update(deg=[15]), "the lower one first"),
         (lambda content: rows_of(content)["mcp2.deviation"]["fibre_rest"].update(deg=20), "outside its limits"),
-        (lambda content: rows_of(content)["mcp2.deviation"]["stiffness"].update(newton_metre_per_rad=-1), "must be positive"),
-        (lambda content: rows_of(content)["mcp2.deviation"].pop("stiffness"), "mcp2.deviation has no 'stiffness'"),
         (
             lambda content: rows_of(content)["mcp2.axial_rotation"].update(fibre_rest={"deg": 0, "sources": ["CHOICE"]}),
             "can have no 'fibre_rest'",

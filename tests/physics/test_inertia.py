@@ -5,7 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handlab.physics.inertia import composite_about_axis, cylinder_about_end, from_points, rod_about_end, rod_tensor
+from handlab.physics.inertia import (
+    composite_about_axis,
+    composite_tensor,
+    cylinder_about_end,
+    from_points,
+    rod_about_end,
+    rod_tensor,
+    shifted_tensor,
+    turned_tensor,
+)
 
 EXAMPLES = json.loads((Path(__file__).parents[1] / "data" / "equations_examples.json").read_text())
 MASS, LENGTH = np.array(EXAMPLES["eq5"]["m_kg"]), np.array(EXAMPLES["eq5"]["l_m"])
@@ -53,3 +62,54 @@ def test_many_points_of_a_body_tend_to_its_composite_moment():
 def test_a_finger_that_points_along_the_axis_has_almost_no_moment_about_it():
     ends, tensors = finger(0.0, 0.0)
     assert composite_about_axis(MASS, ends.mean(axis=1), tensors, [1, 0, 0], [0, 0, 0]) == pytest.approx(0.0, abs=1e-18)
+
+
+def turn(rng):
+    """A random rotation."""
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return q * np.sign(np.linalg.det(q))
+
+
+def of_points(points, mass):
+    """Inertia tensor about the origin of equal point masses."""
+    square = np.einsum("ni,nj->ij", points, points) * mass / len(points)
+    return np.trace(square) * np.eye(3) - square
+
+
+def test_composite_tensors_of_four_bodies_are_those_of_two_hundred_thousand_point_masses():
+    rng = np.random.default_rng(11)
+    sides = rng.uniform(0.01, 0.05, (4, 3))
+    masses, centres, turns = rng.uniform(0.002, 0.02, 4), rng.uniform(-0.05, 0.05, (4, 3)), [turn(rng) for _ in range(4)]
+    about = np.array([0.03, -0.01, 0.02])
+    box = [m / 12.0 * np.diag(np.sum(side**2) - side**2) for m, side in zip(masses, sides, strict=True)]
+    clouds = [rng.uniform(-0.5, 0.5, (50_000, 3)) * s @ r.T + c - about for s, r, c in zip(sides, turns, centres, strict=True)]
+    points = sum(of_points(cloud, m) for cloud, m in zip(clouds, masses, strict=True))
+    found = composite_tensor(masses, centres, box, about, rotation=turns)
+    np.testing.assert_allclose(found, points, atol=0.002 * np.trace(points))
+    assert np.abs(found - composite_tensor(masses, centres, box, about)).max() > 0.009 * np.trace(points), "unturned boxes differ"
+
+
+def test_a_tensor_gives_the_composite_moment_about_every_axis_through_its_point():
+    rng = np.random.default_rng(12)
+    masses, centres, about = rng.uniform(0.1, 1.0, 5), rng.normal(size=(5, 3)), rng.normal(size=3)
+    spread = rng.normal(size=(5, 8, 3))
+    tensors = np.array([of_points(cloud - cloud.mean(axis=0), 1.0) for cloud in spread])
+    whole = composite_tensor(masses, centres, tensors, about)
+    for axis in rng.normal(size=(20, 3)):
+        unit = axis / np.linalg.norm(axis)
+        assert unit @ whole @ unit == pytest.approx(composite_about_axis(masses, centres, tensors, unit, about), rel=1e-12)
+
+
+def test_shifting_a_tensor_there_and_turning_it_back_gives_what_was_there_before():
+    rng = np.random.default_rng(13)
+    tensor, r = of_points(rng.normal(size=(9, 3)), 2.0), turn(rng)
+    np.testing.assert_allclose(turned_tensor(turned_tensor(tensor, r), r.T), tensor, atol=1e-13)
+    np.testing.assert_allclose(np.linalg.eigvalsh(turned_tensor(tensor, r)), np.linalg.eigvalsh(tensor), rtol=1e-12)
+    away = shifted_tensor(2.0, np.zeros((3, 3)), [0.0, 3.0, 4.0])
+    np.testing.assert_allclose(away, 2.0 * np.array([[25.0, 0, 0], [0, 16.0, -12.0], [0, -12.0, 9.0]]))
+
+
+def test_a_chain_of_rods_has_the_worked_moment_through_its_tensor():
+    pose = EXAMPLES["chain"]["poses"][1]
+    ends, tensors = finger(np.deg2rad(pose["alpha_PIP_deg"]), np.deg2rad(pose["beta_DIP_deg"]))
+    assert composite_tensor(MASS, ends.mean(axis=1), tensors, [0, 0, 0])[2, 2] == pytest.approx(pose["J_total_MCP"], rel=1e-5)

@@ -3,9 +3,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from handlab.physics.ligament import between, collateral_torque, spring_torque, tautness, tautness_slope
+from handlab.physics.ligament import (
+    between,
+    capsule_energy,
+    capsule_slope,
+    capsule_torque,
+    collateral_energy,
+    spring_torque,
+    tautness,
+)
 
-flexions = st.floats(-0.6, 1.7)
+angles = st.floats(-1.2, 1.7)
+BOUNDS = (-0.5, 1.0, 0.1, 0.3, 0.2)  # lower, upper, width, torques at the limits
 
 
 def test_a_ligament_is_slack_when_straight_and_taut_at_90_degrees():
@@ -13,34 +22,34 @@ def test_a_ligament_is_slack_when_straight_and_taut_at_90_degrees():
     assert float(between(1.0, 0.25, np.pi / 2)) == pytest.approx(0.25)
 
 
-@given(flexions)
-def test_the_slope_of_tautness_is_its_slope(flexion):
-    step = 1e-6
-    assert float(tautness_slope(flexion)) == pytest.approx(
-        float(tautness(flexion + step) - tautness(flexion - step)) / (2 * step), abs=1e-5
-    )
-
-
 def test_a_spring_pulls_towards_its_rest():
     assert float(spring_torque(0.04, 1.0, 0.5)) == pytest.approx(-0.02)
 
 
-@given(flexions, st.floats(-0.3, 0.3), st.floats(-0.1, 0.1))
-def test_both_torques_of_a_ligament_are_slopes_of_one_energy(flexion, deviation, rest):
-    def energy(f, d):
-        return 0.5 * 0.04 * float(between(1.0, 5.0, f)) * (d - rest) ** 2
+def test_a_capsule_is_slack_inside_its_range_and_pulls_with_its_torque_at_the_limit():
+    np.testing.assert_array_equal(capsule_torque([-0.399, 0.0, 0.899], *BOUNDS), 0.0)
+    np.testing.assert_allclose(capsule_torque([-0.5, 1.0, 1.1, 0.95], *BOUNDS), [0.3, -0.2, -1.6, -0.025], atol=1e-12)
 
+
+@given(angles)
+def test_capsule_torque_and_stiffness_are_slopes_of_its_energy(angle):
     step = 1e-5
-    on_deviation, on_flexion = collateral_torque(0.04, 5.0, flexion, deviation, rest)
-    assert float(on_deviation) == pytest.approx(
-        -(energy(flexion, deviation + step) - energy(flexion, deviation - step)) / (2 * step), abs=1e-8
-    )
-    assert float(on_flexion) == pytest.approx(
-        -(energy(flexion + step, deviation) - energy(flexion - step, deviation)) / (2 * step), abs=1e-6
-    )
+    slope = (capsule_energy(angle + step, *BOUNDS) - capsule_energy(angle - step, *BOUNDS)) / (2 * step)
+    assert float(capsule_torque(angle, *BOUNDS)) == pytest.approx(-float(slope), rel=1e-5, abs=1e-8)
+    curvature = (capsule_torque(angle + step, *BOUNDS) - capsule_torque(angle - step, *BOUNDS)) / (2 * step)
+    assert float(capsule_slope(angle, *BOUNDS)) == pytest.approx(-float(curvature), rel=1e-4, abs=1e-4)
 
 
-def test_at_90_degrees_deviation_is_as_much_stiffer_as_asked():
-    soft, _ = collateral_torque(0.04, 5.0, 0.0, 0.1, 0.0)
-    stiff, _ = collateral_torque(0.04, 5.0, np.pi / 2, 0.1, 0.0)
-    assert float(stiff / soft) == pytest.approx(5.0)
+@given(angles, st.floats(-30, 30))
+def test_the_drag_of_a_capsule_takes_energy_out(angle, speed):
+    braked = capsule_torque(angle, *BOUNDS, speed=speed, time=0.01) - capsule_torque(angle, *BOUNDS)
+    assert float(braked) * speed <= 0.0
+
+
+def ligament(flexion, deviation):
+    return float(collateral_energy(0.04, 5.0, 0.25, flexion, deviation, 0.02, -0.26, 0.26, 0.07, 0.1, 0.1))
+
+
+def test_at_90_degrees_a_spread_finger_stores_five_times_as_much_in_its_springs_and_its_capsule_begins_at_a_quarter():
+    assert ligament(np.pi / 2, 0.03) == pytest.approx(5.0 * ligament(0.0, 0.03))
+    assert ligament(np.pi / 2, 0.25 * 0.26) - 5.0 * 0.5 * 0.04 * (0.25 * 0.26 - 0.02) ** 2 == pytest.approx(0.25 * 0.25 * 0.07 * 0.1)

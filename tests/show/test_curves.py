@@ -101,29 +101,3 @@ def test_the_map_shades_opposite_signs_with_opposite_colours(hand):
     shade, arm = image.get_array(), hand.lever_arm
     assert (np.sign(shade.filled(0.0)) == np.sign(arm)).all()
     assert image.norm.vmin == -image.norm.vmax
-
-
-def test_the_force_length_plot_has_all_muscles_as_dots_at_their_lengths(hand, grip):
-    state = grip.states[-1]
-    figure = hl.force_length(hand, state)
-    left, right = figure.axes
-    dots = np.concatenate([collection.get_offsets() for collection in left.collections])
-    assert len(dots) == 42
-    ratio = state.fibre_length / hand.rest_length
-    assert np.allclose(np.sort(dots[:, 0]), np.sort(ratio))
-    assert [tick.get_text() for tick in right.get_yticklabels()] == [muscle.abbreviation for muscle in hand.muscles.values()]
-    expected = np.maximum(0.0, 1.0 - 4.0 * (ratio - 1.1) ** 2) + np.where(ratio > 1.0, 2.77 * (ratio - 1.0) ** 2, 0.0)
-    assert np.allclose(np.sort(dots[:, 1]), np.sort(expected))
-    newtons = [float(text.get_text()) for text in right.texts]
-    assert np.allclose(newtons, expected * hand.max_force, atol=0.51)
-
-
-def test_wherever_newtons_are_shown_their_assumption_is_shown_too(hand):
-    figure = hl.force_length(hand.with_newton_per_percent(25))
-    assert "25 N per % of tension" in figure.get_supxlabel()
-    assert "assumption" in figure.get_supxlabel()
-
-
-def test_a_contraction_beyond_one_is_refused(hand):
-    with pytest.raises(ValueError, match="between 0 and 1"):
-        hl.force_length(hand, contraction=1.4)

@@ -3,7 +3,8 @@ import oracle
 import pytest
 
 from handlab.simulation import kinematics
-from handlab.simulation.skeleton import centres_of_mass, coupled, mechanics, moments_of_inertia, rest
+from handlab.simulation.mechanics import coupled, mechanics, moments_of_inertia
+from handlab.simulation.skeleton import centres_of_mass, rest
 
 
 def random_angles(hand, rng, count):

@@ -6,7 +6,9 @@ import pytest
 from handlab.physics.muscle import muscle_force
 from handlab.simulation.keyframes import keyframes
 from handlab.simulation.play import simulate
-from handlab.simulation.skeleton import SUBSTEP, coupled, integrate, mechanics, rest, step
+from handlab.simulation.laws import SUBSTEP
+from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.skeleton import integrate, rest, step
 
 LIVELY = {
     "FDP2": [(0, 0), (0.3, 1), (1.1, 0.1), (2, 0.6)],

@@ -5,7 +5,8 @@ from scipy.spatial.transform import Rotation
 from handlab.anatomy.records import frozen
 from handlab.simulation import skin_kernel
 from handlab.simulation.kinematics import relative_transforms
-from handlab.simulation.skeleton import coupled, mechanics, pose, rest
+from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.skeleton import pose, rest
 from handlab.simulation.skin import binding, blend, fine_points, normals, packed
 
 

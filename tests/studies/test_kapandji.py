@@ -9,7 +9,8 @@ import pyvista as pv
 import handlab
 from handlab.anatomy.records import frozen
 from handlab.simulation.kinematics import posed_axes
-from handlab.simulation.skeleton import coupled, mechanics, rest
+from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.skeleton import rest
 from handlab.simulation.skin import blend
 from handlab.studies.kapandji import AT_EASE, HELP_AT_MOST, SOFT, THUMB, WITHIN, kapandji, places
 from handlab.studies.measures import pulps

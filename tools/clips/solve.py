@@ -16,8 +16,8 @@ from tqdm import tqdm
 
 import handlab as hl
 from handlab.simulation.balance import contraction_for, settled
-from handlab.simulation.reach import reach, turn_per_contraction
-from handlab.simulation.skeleton import mechanics
+from handlab.simulation.reach import QUICK, reach, turn_per_contraction
+from handlab.simulation.mechanics import mechanics
 from handlab.simulation.skin import blend
 from handlab.studies import measures
 
@@ -103,7 +103,7 @@ class Solver:
         free = np.ones(len(self.names), dtype=bool)
 
         def at(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-            y = settled(self.hand, c, seconds=4.0).angle[self.m.moving]
+            y = settled(self.hand, c, seconds=4.0, laws=QUICK).angle[self.m.moving]
             r = self.wrong(y, posture)
             return y, r, float(r @ r + EFFORT**2 * c @ c)
 
