@@ -173,7 +173,7 @@ check("twice", held, free, angle)
 
 # %%
 flat_rest = hand.with_fibre_rest("flat")
-angles = {name: float(value) for name, value in zip(hand.dof_names, fist.states[-1].angle) if name in hand.moving_names}
+angles = {name: float(value) for name, value in zip(hand.dof_names, fist.angle[-1], strict=True) if name in hand.moving_names}
 flat_hand = hl.pose(flat_rest, dict.fromkeys(hand.moving_names, 0.0))
 hl.force_length(flat_rest, {"flat hand: all at rest": flat_hand, "fist": hl.pose(flat_rest, angles)})
 
@@ -195,7 +195,7 @@ for finger in range(2, 6):
 def too_short(one_hand):
     # solution: return ...
     ratio = hl.pose(one_hand, closed).fibre_length / one_hand.rest_length
-    return {muscle.abbreviation for muscle, value in zip(hand.muscles.values(), ratio) if value <= 0.6}
+    return {muscle.abbreviation for muscle, value in zip(hand.muscles.values(), ratio, strict=True) if value <= 0.6}
     # end solution
 
 
@@ -222,13 +222,13 @@ hl.wrist_plot({"fibres at rest in the relaxed hand": hand, "fibres at rest in th
 # %%
 arms = flat_rest.lever_arm @ flat_rest.coupling
 limits = np.array([flat_rest.dofs[name].limits for name in flat_rest.moving_names])
-# solution: shortest_FCR, count = ..., ...
+# solution: shortest_fcr, count = ..., ...
 most = np.maximum(arms * limits[:, 0], arms * limits[:, 1]).sum(axis=1)
 shortest = 1 - most / flat_rest.rest_length
-shortest_FCR = shortest[hand.muscle_names.index(hand.muscles["FCR"].name)]
+shortest_fcr = shortest[hand.muscle_names.index(hand.muscles["FCR"].name)]
 count = np.sum(shortest < 0.6)
 # end solution
-check("doubt", shortest_FCR, count)
+check("doubt", shortest_fcr, count)
 
 # %% [markdown]
 # ## 6 What the model leaves out
@@ -306,10 +306,10 @@ time = np.arange(0, 1.2, 0.002)
 command = np.where((time > 0.1) & (time < 0.6), 0.3, 0.0)
 late = activation(command, 0.002, 0.04)
 figure, axes = plt.subplots(figsize=(14, 7), layout="constrained")
-for label, style, c in (("command", "-", command), ("with delay", "--", late)):
+for label, look, c in (("command", "#0072B2", command), ("with delay", "#D55E00", late)):
     if c is not ...:
-        clip = hl.simulate(hand, {"FDP2": list(zip(time, c))}, seconds=1.19, hold=["wrist"])
-        axes.plot(clip.time, np.rad2deg(clip.angle[:, mcp2]), style, label=label, linewidth=4)
+        clip = hl.simulate(hand, {"FDP2": list(zip(time, c, strict=True))}, seconds=1.19, hold=["wrist"])
+        axes.plot(clip.time, np.rad2deg(clip.angle[:, mcp2]), "-" if c is command else "--", color=look, label=label, linewidth=4)
 axes.set_xlabel("time (s)", fontsize=20), axes.set_ylabel("mcp2 flexion (degrees)", fontsize=20)
 axes.tick_params(labelsize=17), axes.legend(fontsize=18), plt.close(figure)
 figure
@@ -317,7 +317,7 @@ figure
 # %% [markdown]
 # ## Summary
 #
-# - $F = c\,F_\text{contr} + F_\text{stretch}$: the contraction scales the active part only, and only between 0.6 and 1.6 of the rest length.
+# - $F = c\,F_\text{contr} + F_\text{stretch}$: the contraction scales the active part, between 0.6 and 1.6 of the rest length.
 # - The fitted curve is strongest beyond the rest length, not at it.
 # - Contraction is not force, not shortening, not angle: these come out, together with everything else that pulls.
 # - The posture of rest length decides who can still pull in a fist. In the straight hand it is a choice that costs the deep flexors.

@@ -31,6 +31,7 @@ from handlab.check import lesson
 from handlab.physics.muscle import active_force_length
 from handlab.show.figures import STYLE, line
 from handlab.studies import measures
+from scipy.interpolate import CubicSpline
 
 plt.rcParams.update(STYLE)
 check = lesson("06")
@@ -50,8 +51,8 @@ hl.view(hand, opposition)
 # %% [markdown]
 # ## 2 The thumb
 #
-# The thumb stands across the other fingers, so its words have their own directions. Put your hand flat on the table and lift the thumb
-# straight up from the palm's plane, without spreading it. That is **palmar abduction**. It is not the same as spreading.
+# The thumb stands across the other fingers, so its words have their own directions. Lay the back of your hand on the table and point
+# the thumb at the ceiling. That is **palmar abduction**. It is not the same as spreading the thumb along the table.
 #
 # ### Exercise: predict, then measure
 #
@@ -180,16 +181,16 @@ def pull(wrist_deg):
     return clip.force[-1, rows[:2]].sum(), clip.fibre_length[-1, rows[0]] / hand.rest_length[rows[0]]
 
 
-# solution: flexed_N, extended_N, fibre = ..., ..., ...
-flexed_N, extended_N, fibre = pull(60)[0], pull(-30)[0], "too short"
+# solution: flexed_force, extended_force, fibre = ..., ..., ...
+flexed_force, extended_force, fibre = pull(60)[0], pull(-30)[0], "too short"
 # end solution
-check("insufficient", flexed_N, extended_N, fibre)
+check("insufficient", flexed_force, extended_force, fibre)
 
 # %%
 wrist_deg = np.arange(-65, 75, 10)
 found = np.array([(*pull(wrist), np.rad2deg(at_rest(wrist, strongest).angle[flexions].sum())) for wrist in wrist_deg])
 figure, axes = plt.subplots(1, 3, figsize=(19, 6))
-titles = ("FDP3 + FDS3: force (N)", "fibre of FDP3 / rest length", "flexion of the middle finger, sum (degrees)")
+titles = ("FDP3 + FDS3: force (N)", "fibre of FDP3 / rest length", "flexion of the finger (degrees)")
 for k, (panel, title) in enumerate(zip(axes, titles, strict=True)):
     panel.plot(wrist_deg, found[:, k], marker="o", **line(k))
     panel.set(title=title, xlabel="wrist: extension  <  degrees  >  flexion")
@@ -249,7 +250,7 @@ check("fist", fist)
 # compared with the held wrist?
 
 # %%
-grip = {name: 0.5 for name in strongest}
+grip = dict.fromkeys(strongest, 0.5)
 held = hl.simulate(hand, grip, seconds=3, hold=["wrist"])
 free = hl.simulate(hand, grip, seconds=3)
 # solution: wrist_end_deg, lost_percent = ..., ...
@@ -318,8 +319,6 @@ check("mend", mended)
 # 1.25 s?
 
 # %%
-from scipy.interpolate import CubicSpline
-
 key_time, key_value = [0, 0.5, 1, 1.5], [0, 1, 0.2, 0.2]
 natural = CubicSpline(key_time, key_value, bc_type="natural")  # natural(t) is its value
 monotone = hl.keyframes({"FDP3": list(zip(key_time, key_value, strict=True))})  # .at(t) has the values of all 42 muscles
@@ -352,7 +351,9 @@ check("keys", wrist_keys)
 # `closing | wrist_keys` in, and compare.
 
 # %%
-hl.curves(hl.simulate(hand, closing, seconds=4), muscles=["FDS3", "FDP3", "EDC3", "ECRB"], joints=["wrist", "mcp3", "pip3"])
+hl.curves(
+    hl.simulate(hand, closing, seconds=4), muscles=["FDS3", "FDP3", "EDC3", "ECRB"], joints=["wrist", "mcp3.flexion_extension", "pip3"]
+)
 
 # %% [markdown]
 # ## 8 Doubt the data

@@ -39,9 +39,10 @@ def inertia(dof: str) -> float:
     return float(moments_of_inertia(hand, straight.angle)[hand.dof_names.index(dof)])
 
 
+@cache
 def friction() -> float:
-    """Mu in N m s/rad: one number for every joint."""
-    return float(np.max(reference().friction))
+    """Mu in N m s/rad as the paper has it, one number for every joint; the fingers of the default reading have it too."""
+    return float(np.max(reference("printed").friction))
 
 
 Step = Callable[[float, float, float, float], tuple[Any, Any]]
@@ -191,8 +192,8 @@ def sixty(survivors: Any, wrist_degrees: Any) -> str:
     if not near(wrist_degrees, way, "The way of the wrist", "degrees"):
         raise Wrong(f"The wrist does not coast {float(wrist_degrees):.3g} degrees. The finger went speed times J/mu; put in the wrist's J.")
     return (
-        f"{way:.0f} degrees: the whole hand is heavy, and one mu for every joint, taken from cartilage, brakes it too little. "
-        "A real wrist that is let go does not swing on like a door."
+        f"{way:.0f} degrees: the whole hand is heavy, and one mu for every joint, taken from cartilage, brakes it too little. A real wrist "
+        f"does not swing on like a door. This laboratory gives it {np.max(reference().friction):g} N m s/rad: a choice, and no measurement."
     )
 
 
@@ -234,7 +235,7 @@ def runaway(printed: Any, sound: Any) -> str:
     if near(printed, braked("explicit"), "The printed speed", "rad/s") and near(sound, braked("printed"), "The other speed", "rad/s"):
         raise Wrong("These two are swapped: first the printed rule.")
     for value, rule, what in ((printed, "printed", "The printed rule"), (sound, "explicit", "Friction against the motion")):
-        if not near(value, braked(rule), what, "rad/s", 0.05):  # type: ignore[arg-type]
+        if not near(value, braked(rule), what, "rad/s", 0.05):
             raise Wrong(f"{what} does not end at {float(value):.4g} rad/s. From +5 rad/s, torque -0.02 N m, steps of 0.01 ms, for 10 ms.")
     turns = braked("printed") / (2.0 * np.pi)
     return f"A muscle that should brake leaves the finger spinning {turns:.0f} times a second. With the sound rule it has turned back."
@@ -285,7 +286,7 @@ def shrinking(rule: Rule) -> float:
 def order(implicit_factor: Any, leapfrog_factor: Any) -> str:
     """By which factors the errors shrink when the step is ten times shorter."""
     for value, rule in ((implicit_factor, "implicit"), (leapfrog_factor, "leapfrog")):
-        right = shrinking(rule)  # type: ignore[arg-type]
+        right = shrinking(rule)
         if near(value, 1.0 / right, f"The factor of {rule}", "times", 0.1):
             raise Wrong(f"{rule}: that is the fine error over the coarse one. Turn it round.")
         if not near(value, right, f"The factor of {rule}", "times", 0.1):

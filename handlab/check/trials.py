@@ -25,6 +25,8 @@ GRIP = dict.fromkeys(FLEXORS, 0.5)
 GRIP_SECONDS = 3.0
 CLOSED_AT, OPEN_AGAIN = 2.0, 4.0  # s
 CLOSING = {name: [(0.0, 0.0), (1.5, 0.3), (CLOSED_AT, 0.3), (3.5, 0.0)] for name in FLEXORS}
+WRIST = (0, 1)  # columns of the wrist: its two rotations come first in every hand
+EXTENSORS = ("ECRB", "ECU")
 PULP = ("middle_phalanx_2", "middle_phalanx_3")  # where the thumb of a fist lies
 
 
@@ -37,10 +39,6 @@ def row(muscle: str) -> int:
 def column(dof: str) -> int:
     """Of a degree of freedom."""
     return reference().dof_names.index(dof)
-
-
-WRIST = (0, 1)  # columns of the wrist: its two rotations come first in every hand
-EXTENSORS = ("ECRB", "ECU")
 
 
 def motion(source: KeyFrames | Mapping[str, Any], seconds: float, *, hold: tuple[str, ...] = ()) -> Clip:
@@ -84,7 +82,7 @@ def shift(rotation: str) -> Array:
 def finger_sums(state: State) -> Array:
     """MCP, PIP and DIP flexion (4,) of index to little finger, added up, degrees."""
     columns = [[column(f"{joint}{digit}.flexion_extension") for joint in ("mcp", "pip", "dip")] for digit in (2, 3, 4, 5)]
-    total: Array = np.rad2deg(state.angle[columns].sum(axis=1))
+    total: Array = np.rad2deg(state.angle[columns]).sum(axis=1)
     return total
 
 

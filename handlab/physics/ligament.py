@@ -43,7 +43,7 @@ def capsule_torque(
     ``at_lower`` and ``at_upper`` are T, the torques at the limits; ``width`` before them it begins. Slope and curvature begin at 0,
     so nothing jolts. ``time`` (s) is that of a Kelvin-Voigt solid: it takes energy out, never in.
 
-    >>> round(float(capsule_torque(1.0, -1.0, 1.0, 0.1, 0.3, 0.2)), 12), float(capsule_torque(0.9, -1.0, 1.0, 0.1, 0.3, 0.2))
+    >>> round(float(capsule_torque(1.0, -1.0, 1.0, 0.1, 0.3, 0.2)), 12), float(capsule_torque(0.8, -1.0, 1.0, 0.1, 0.3, 0.2))
     (-0.2, 0.0)
     """
     low, high = strain(angle, lower, upper, width)

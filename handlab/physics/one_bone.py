@@ -76,4 +76,5 @@ def march(
         if not abs(speed) < RUN_AWAY:
             steps = n + 1
             break
-    return Motion(dt * np.arange(steps + 1), angles[: steps + 1], speeds[: steps + 1])
+    time: Array = dt * np.arange(steps + 1, dtype=np.float64)
+    return Motion(time, angles[: steps + 1], speeds[: steps + 1])

@@ -136,12 +136,16 @@ class ChainPanel:
         joints, centres, mass = (1e3 * self.chain()[0], 1e3 * self.chain()[1], 1e3 * self.chain()[2])
         axes.plot(*joints.T, color=IVORY, linewidth=16, solid_capstyle="round", solid_joinstyle="round", zorder=1)
         axes.plot(*joints[:3].T, "o", color=BLACK, markersize=9, zorder=3)
-        for centre, grams in zip(centres, mass, strict=True):
+        rods = np.diff(joints, axis=0) / np.linalg.norm(np.diff(joints, axis=0), axis=1, keepdims=True)
+        outside = 30.0 * np.stack([rods[:, 1], -rods[:, 0]], axis=1)  # labels stand on the back of the finger, where nothing bends to
+        corner = 0.5 * (outside + outside[[0, 0, 1]])
+        beside = {"textcoords": "offset points", "ha": "center", "va": "center", "fontsize": 13}
+        for centre, grams, away in zip(centres, mass, outside, strict=True):
             axes.plot([0.0, centre[0]], [0.0, centre[1]], color=FAINT, linewidth=1.5, linestyle="--", zorder=2)
             axes.plot(*centre, "s", color=GREEN, markersize=6.0 + 5.0 * np.sqrt(grams), zorder=4)
-            axes.annotate(f"{grams:.1f} g", centre, (0, 16), textcoords="offset points", ha="center", fontsize=13, zorder=5)
-        for joint, name in zip(joints, ("MCP", "PIP", "DIP"), strict=False):
-            axes.annotate(name, joint, (16, -26), textcoords="offset points", ha="center", fontsize=13)
+            axes.annotate(f"{grams:.1f} g", centre, away, **beside)
+        for joint, name, away in zip(joints, ("MCP", "PIP", "DIP"), corner, strict=False):
+            axes.annotate(name, joint, away, **beside)
         reach = 1.15 * float(np.abs(1e3 * self._straight).max())
         axes.set(title="the chain", xlabel="mm", ylabel="mm, palmar upward", xlim=(-0.3 * reach, reach), ylim=(-0.25 * reach, 0.75 * reach))
         axes.set_aspect("equal")

@@ -40,9 +40,14 @@ def wrist_inertia(hand: Hand, *, constant: str = "relaxed") -> Any:
         where = "right" if free else "left"
         left.annotate(found_name(constant), (closed[free], line), (0, 8), textcoords="offset points", ha=where, ma=where, color=FAINT)
         low, high = min(inertia.min(), KG_MM2 * found.constant.min()), max(inertia.max(), line)
-        left.set(title="Moment of inertia of the hand", xlabel="closed (%)", ylabel="kg mm²", ylim=(0.78 * low, 1.06 * high))
+        left.set(
+            title="Moment of inertia of the hand",
+            xlabel="closed (%)",
+            ylabel="kg mm²",
+            ylim=(low - 0.4 * (high - low), high + 0.18 * (high - low)),
+        )
         right.axhline(0.0, color=BLACK, linewidth=1.4)
-        right.set(title="Error of the constant", xlabel="closed (%)", ylabel="% of the true value", xlim=(-16.0, 116.0))
+        right.set(title="Error of the constant", xlabel="closed (%)", ylabel="% of the true value", xlim=(-20.0, 120.0))
         right.set_xticks(range(0, 101, 20))
         left.legend(loc="lower left")
         right.legend(loc="upper left")
@@ -56,7 +61,7 @@ def _ends(axes: Any, at: float, values: Array, side: int, where: str, close: flo
     near = abs(values[0] - values[1]) < close
     for k, value in enumerate(values):
         text = f"{value:+.0f} %".replace("-", "\N{MINUS SIGN}")
-        if near and k and round(values[0]) == round(value):
+        if round(value) == 0 or (near and k and round(values[0]) == round(value)):
             continue
         lift = 0 if not near or round(values[0]) == round(values[1]) else 12 if value == values.max() else -12
         axes.annotate(text, (at, value), (side, lift), textcoords="offset points", ha=where, va="center")

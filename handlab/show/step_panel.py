@@ -53,6 +53,7 @@ class StepPanel:
             raise ValueError(f"{self.muscle.abbreviation} has no lever arm at {self.dof.name!r}; choose another muscle or rotation")
         self._force, self._length = float(hand.max_force[row]), self.muscle.rest_length
         self._rule, self._step_ms = rule, step_ms
+        self._moving_sliders = False
         self.set(step_ms=step_ms, rule=rule)
 
     @property
@@ -155,8 +156,8 @@ class StepPanel:
         slider = ipywidgets.FloatLogSlider(
             value=self._step_ms, base=10, min=low, max=high, step=0.02, description="step, ms", readout_format=".2f"
         )
-        move = OnMain(lambda value: self.set(step_ms=value))
-        slider.observe(lambda change: move(change["new"]), "value")
+        move: OnMain[float] = OnMain(lambda value: self.set(step_ms=value))
+        slider.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
         return slider
 
     @cached_property
@@ -165,8 +166,8 @@ class StepPanel:
         import ipywidgets
 
         choice = ipywidgets.ToggleButtons(options=list(get_args(Rule)), value=self._rule, description="rule")
-        move = OnMain(lambda value: self.set(rule=value))
-        choice.observe(lambda change: move(change["new"]), "value")
+        move: OnMain[Rule] = OnMain(lambda value: self.set(rule=value))
+        choice.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
         return choice
 
     @cached_property
@@ -193,7 +194,11 @@ class StepPanel:
         pyplot.close(figure)
         self._picture.value = file.getvalue()
         self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())
-        self.step_slider.value, self.rule_choice.value = self._step_ms, self._rule
+        self._moving_sliders = True
+        try:
+            self.step_slider.value, self.rule_choice.value = self._step_ms, self._rule
+        finally:
+            self._moving_sliders = False
 
     def _repr_mimebundle_(self, **how: Any) -> Any:
         try:

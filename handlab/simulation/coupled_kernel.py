@@ -7,7 +7,7 @@ is transformed on the way: (angular, linear) of velocities, (moment, force) of f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,65 +26,91 @@ Flags = NDArray[np.bool_]
 ROUNDS = 4  # over all coordinates that run into a hard stop in one substep; each round uses the last one's speeds
 
 
-@compiled
-def apply_inertia(s: Array, v: Array, out: Array) -> None:
-    """Spatial momentum ``out`` (6,) of a body ``s`` (10,) (see ``composites``) that moves with ``v`` (6,)."""
-    wx, wy, wz, x, y, z = v[0], v[1], v[2], v[3], v[4], v[5]
-    out[0] = s[4] * wx + s[7] * wy + s[8] * wz + s[2] * z - s[3] * y
-    out[1] = s[7] * wx + s[5] * wy + s[9] * wz + s[3] * x - s[1] * z
-    out[2] = s[8] * wx + s[9] * wy + s[6] * wz + s[1] * y - s[2] * x
-    out[3] = s[0] * x + wy * s[3] - wz * s[2]
-    out[4] = s[0] * y + wz * s[1] - wx * s[3]
-    out[5] = s[0] * z + wx * s[2] - wy * s[1]
+class Workspace(NamedTuple):
+    """Room for one evaluation of the equation of motion, kept from step to step; shapes as in ``Mechanics``."""
+
+    angle: Array
+    transform: Array
+    axis: Array
+    anchor: Array
+    carried: Array
+    screw: Array
+    velocity: Array
+    acceleration: Array
+    force: Array
+    momentum: Array
 
 
 @compiled
-def mass_and_bias(y: Array, speed: Array, gravity: Array, m: Mechanics, mass: Array, bias: Array) -> None:
+def workspace(bodies: int, dofs: int) -> Workspace:
+    """Room for ``bodies`` and degrees of freedom."""
+    return Workspace(
+        np.empty(dofs), np.empty((bodies, 4, 4)), np.empty((dofs, 3)), np.empty((dofs, 3)), np.empty((bodies, 10)), np.empty((dofs, 6)),
+        np.zeros((bodies, 6)), np.zeros((bodies, 6)), np.empty((bodies, 6)), np.empty((1, 6)),
+    )  # fmt: skip
+
+
+@compiled
+def apply_inertia(carried: Array, b: int, motion: Array, i: int, out: Array, o: int) -> None:
+    """Row ``o`` of ``out``: spatial momentum of body ``carried[b]`` (see ``composites``) that moves with row ``i`` of ``motion``."""
+    wx, wy, wz, x, y, z = motion[i, 0], motion[i, 1], motion[i, 2], motion[i, 3], motion[i, 4], motion[i, 5]
+    mass, mx, my, mz = carried[b, 0], carried[b, 1], carried[b, 2], carried[b, 3]
+    xy, xz, yz = carried[b, 7], carried[b, 8], carried[b, 9]
+    out[o, 0] = carried[b, 4] * wx + xy * wy + xz * wz + my * z - mz * y
+    out[o, 1] = xy * wx + carried[b, 5] * wy + yz * wz + mz * x - mx * z
+    out[o, 2] = xz * wx + yz * wy + carried[b, 6] * wz + mx * y - my * x
+    out[o, 3] = mass * x + wy * mz - wz * my
+    out[o, 4] = mass * y + wz * mx - wx * mz
+    out[o, 5] = mass * z + wx * my - wy * mx
+
+
+@compiled
+def mass_and_bias(y: Array, speed: Array, gravity: Array, m: Mechanics, room: Workspace, mass: Array, bias: Array) -> None:
     """Fill the lower half of ``mass`` (k, k), where it is not 0, and ``bias`` (k,): M y'' + bias = torque."""
-    parent, first, count, driver, ratio, offset = m.parent, m.first, m.count, m.driver, m.ratio, m.offset
+    parent, first, count, driver, ratio, offset = m.parent, m.first, m.dof_count, m.driver, m.ratio, m.offset
     ancestor_start, ancestor = m.ancestor_start, m.ancestor
+    angle, transform, axis, anchor, carried = room.angle, room.transform, room.axis, room.anchor, room.carried
+    screw, velocity, acceleration, force, momentum = room.screw, room.velocity, room.acceleration, room.force, room.momentum
     dofs, bodies, moving = ratio.shape[0], parent.shape[0], y.shape[0]
-    angle = np.empty(dofs)
     for d in range(dofs):
         angle[d] = offset[d] + ratio[d] * y[driver[d]]
-    transform, axis, anchor = np.empty((bodies, 4, 4)), np.empty((dofs, 3)), np.empty((dofs, 3))
     pose(angle, parent, first, count, m.axis, m.anchor, transform, axis, anchor)
-    carried = np.empty((bodies, 10))
     composites(transform, m, carried)
-    screw, velocity, acceleration, force = np.empty((dofs, 6)), np.zeros((bodies, 6)), np.zeros((bodies, 6)), np.empty((bodies, 6))
-    momentum = np.empty(6)
     for b in range(bodies):
-        v, a = velocity[b], acceleration[b]
-        if parent[b] < 0:
-            a[3], a[4], a[5] = -gravity[0], -gravity[1], -gravity[2]
-        else:
-            v[:] = velocity[parent[b]]
-            a[:] = acceleration[parent[b]]
+        above = parent[b]
+        v0 = v1 = v2 = v3 = v4 = v5 = a0 = a1 = a2 = 0.0
+        a3, a4, a5 = -gravity[0], -gravity[1], -gravity[2]
+        if above >= 0:
+            v0, v1, v2 = velocity[above, 0], velocity[above, 1], velocity[above, 2]
+            v3, v4, v5 = velocity[above, 3], velocity[above, 4], velocity[above, 5]
+            a0, a1, a2 = acceleration[above, 0], acceleration[above, 1], acceleration[above, 2]
+            a3, a4, a5 = acceleration[above, 3], acceleration[above, 4], acceleration[above, 5]
         for d in range(first[b], first[b] + count[b]):
-            s = screw[d]
-            s[0], s[1], s[2] = axis[d, 0], axis[d, 1], axis[d, 2]
-            s[3] = anchor[d, 1] * s[2] - anchor[d, 2] * s[1]
-            s[4] = anchor[d, 2] * s[0] - anchor[d, 0] * s[2]
-            s[5] = anchor[d, 0] * s[1] - anchor[d, 1] * s[0]
+            x, z, w = axis[d, 0], axis[d, 1], axis[d, 2]
+            px, py, pz = anchor[d, 0], anchor[d, 1], anchor[d, 2]
+            lx, ly, lz = py * w - pz * z, pz * x - px * w, px * z - py * x
+            screw[d, 0], screw[d, 1], screw[d, 2], screw[d, 3], screw[d, 4], screw[d, 5] = x, z, w, lx, ly, lz
             q = ratio[d] * speed[driver[d]]
             # the axis itself is carried along: its rate of change is v x s
-            a[0] += q * (v[1] * s[2] - v[2] * s[1])
-            a[1] += q * (v[2] * s[0] - v[0] * s[2])
-            a[2] += q * (v[0] * s[1] - v[1] * s[0])
-            a[3] += q * (v[1] * s[5] - v[2] * s[4] + v[4] * s[2] - v[5] * s[1])
-            a[4] += q * (v[2] * s[3] - v[0] * s[5] + v[5] * s[0] - v[3] * s[2])
-            a[5] += q * (v[0] * s[4] - v[1] * s[3] + v[3] * s[1] - v[4] * s[0])
-            for i in range(6):
-                v[i] += q * s[i]
-        apply_inertia(carried[b], a, force[b])
-        apply_inertia(carried[b], v, momentum)
-        f, h = force[b], momentum
-        f[0] += v[1] * h[2] - v[2] * h[1] + v[4] * h[5] - v[5] * h[4]
-        f[1] += v[2] * h[0] - v[0] * h[2] + v[5] * h[3] - v[3] * h[5]
-        f[2] += v[0] * h[1] - v[1] * h[0] + v[3] * h[4] - v[4] * h[3]
-        f[3] += v[1] * h[5] - v[2] * h[4]
-        f[4] += v[2] * h[3] - v[0] * h[5]
-        f[5] += v[0] * h[4] - v[1] * h[3]
+            a0 += q * (v1 * w - v2 * z)
+            a1 += q * (v2 * x - v0 * w)
+            a2 += q * (v0 * z - v1 * x)
+            a3 += q * (v1 * lz - v2 * ly + v4 * w - v5 * z)
+            a4 += q * (v2 * lx - v0 * lz + v5 * x - v3 * w)
+            a5 += q * (v0 * ly - v1 * lx + v3 * z - v4 * x)
+            v0, v1, v2, v3, v4, v5 = v0 + q * x, v1 + q * z, v2 + q * w, v3 + q * lx, v4 + q * ly, v5 + q * lz
+        velocity[b, 0], velocity[b, 1], velocity[b, 2], velocity[b, 3], velocity[b, 4], velocity[b, 5] = v0, v1, v2, v3, v4, v5
+        acceleration[b, 0], acceleration[b, 1], acceleration[b, 2] = a0, a1, a2
+        acceleration[b, 3], acceleration[b, 4], acceleration[b, 5] = a3, a4, a5
+        apply_inertia(carried, b, acceleration, b, force, b)
+        apply_inertia(carried, b, velocity, b, momentum, 0)
+        h0, h1, h2, h3, h4, h5 = momentum[0, 0], momentum[0, 1], momentum[0, 2], momentum[0, 3], momentum[0, 4], momentum[0, 5]
+        force[b, 0] += v1 * h2 - v2 * h1 + v4 * h5 - v5 * h4
+        force[b, 1] += v2 * h0 - v0 * h2 + v5 * h3 - v3 * h5
+        force[b, 2] += v0 * h1 - v1 * h0 + v3 * h4 - v4 * h3
+        force[b, 3] += v1 * h5 - v2 * h4
+        force[b, 4] += v2 * h3 - v0 * h5
+        force[b, 5] += v0 * h4 - v1 * h3
     gather(parent, carried)
     gather(parent, force)
     for k in range(moving):
@@ -94,19 +120,21 @@ def mass_and_bias(y: Array, speed: Array, gravity: Array, m: Mechanics, mass: Ar
             mass[k, ancestor[j]] = 0.0
     for b in range(bodies):
         for d in range(first[b], first[b] + count[b]):
-            c = ratio[d]
+            c, k = ratio[d], driver[d]
             if c == 0.0:
                 continue
-            s, f, k = screw[d], force[b], driver[d]
-            bias[k] += c * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2] + s[3] * f[3] + s[4] * f[4] + s[5] * f[5])
-            apply_inertia(carried[b], s, momentum)
+            pull = 0.0
+            for i in range(6):
+                pull += screw[d, i] * force[b, i]
+            bias[k] += c * pull
+            apply_inertia(carried, b, screw, d, momentum, 0)
+            h0, h1, h2, h3, h4, h5 = momentum[0, 0], momentum[0, 1], momentum[0, 2], momentum[0, 3], momentum[0, 4], momentum[0, 5]
             above, last = b, d
             while above >= 0:
                 for e in range(last, first[above] - 1, -1):
-                    t, j = screw[e], driver[e]
-                    value = c * ratio[e] * (
-                        t[0] * momentum[0] + t[1] * momentum[1] + t[2] * momentum[2] + t[3] * momentum[3] + t[4] * momentum[4] + t[5] * momentum[5]
-                    )  # fmt: skip
+                    j = driver[e]
+                    value = screw[e, 0] * h0 + screw[e, 1] * h1 + screw[e, 2] * h2 + screw[e, 3] * h3 + screw[e, 4] * h4 + screw[e, 5] * h5
+                    value *= c * ratio[e]
                     if j == k and e != d:
                         value *= 2.0  # a follower and its driver: both halves of the matrix fall on the diagonal
                     mass[max(j, k), min(j, k)] += value
@@ -178,11 +206,12 @@ def advance_coupled(
     y, speed = path_y[0].copy(), path_speed[0].copy()
     mass, bias, change = np.zeros((moving, moving)), np.empty(moving), np.empty(moving)
     torque, slope, drag, stop = np.empty(moving), np.empty(moving), np.empty(moving), np.empty((moving, 2))
+    room = workspace(m.parent.shape[0], m.ratio.shape[0])
     for k in range(moving):
         if held[k]:
             speed[k] = 0.0
     for n in range(contraction.shape[0]):
-        mass_and_bias(y, speed, gravity, m, mass, bias)
+        mass_and_bias(y, speed, gravity, m, room, mass, bias)
         torque[:] = 0.0
         muscle_torque(y, contraction[n], m, pushing, torque)
         passive_torque(y, m, torque, slope, drag, stop)

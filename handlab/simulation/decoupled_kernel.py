@@ -34,7 +34,7 @@ def advance_decoupled(
     every ``refresh`` substeps, inertia from ``tables`` every time. Friction and slopes at the end of the step (IMPLICIT), friction at
     its beginning (EXPLICIT), or against the muscle's torque (PRINTED, (2')).
     """
-    parent, first, count, driver, ratio, offset = m.parent, m.first, m.count, m.driver, m.ratio, m.offset
+    parent, first, count, driver, ratio, offset = m.parent, m.first, m.dof_count, m.driver, m.ratio, m.offset
     moving, dofs, bodies = path_y.shape[1], ratio.shape[0], parent.shape[0]
     y, speed = path_y[0].copy(), path_speed[0].copy()
     angle, inertia_dof, inertia = np.empty(dofs), np.empty(dofs), np.empty(moving)
@@ -56,8 +56,8 @@ def advance_decoupled(
                     k = driver[d]
                     inertia[k] += ratio[d] * ratio[d] * inertia_dof[d]
                     # a . ((centre - anchor) x m g) of all that it carries
-                    s = carried[b]
-                    x, z, w = s[1] - s[0] * anchor[d, 0], s[2] - s[0] * anchor[d, 1], s[3] - s[0] * anchor[d, 2]
+                    mass = carried[b, 0]
+                    x, z, w = carried[b, 1] - mass * anchor[d, 0], carried[b, 2] - mass * anchor[d, 1], carried[b, 3] - mass * anchor[d, 2]
                     weight[k] += ratio[d] * (
                         axis[d, 0] * (z * gravity[2] - w * gravity[1])
                         + axis[d, 1] * (w * gravity[0] - x * gravity[2])

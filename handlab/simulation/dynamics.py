@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand
 from handlab.physics.ligament import between, capsule_torque, strain
-from handlab.simulation.coupled_kernel import mass_and_bias
+from handlab.simulation.coupled_kernel import mass_and_bias, workspace
 from handlab.simulation.mechanics import mechanics
 from handlab.simulation.skeleton import centres_of_mass
 from handlab.simulation.state import State
@@ -32,7 +32,7 @@ def _equation(hand: Hand, angle: ArrayLike, speed: ArrayLike, gravity: Sequence[
     count = len(m.moving)
     mass, bias = np.zeros((count, count)), np.empty(count)
     y, rate = (np.array(np.asarray(values, dtype=np.float64)[m.moving]) for values in (angle, speed))
-    mass_and_bias(y, rate, np.array(gravity, dtype=np.float64), m, mass, bias)
+    mass_and_bias(y, rate, np.array(gravity, dtype=np.float64), m, workspace(len(m.parent), len(m.ratio)), mass, bias)
     lower = np.tril(mass)
     return lower + np.tril(lower, -1).T, bias
 

@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.anatomy.terms import find
+from handlab.physics.inertia import composite_tensor
 from handlab.simulation.inertia_kernel import look_up
+from handlab.simulation.kinematics import transforms, tree
 from handlab.simulation.mechanics import coupled, mechanics, moments_of_inertia
 from handlab.simulation.per_hand import per_hand
 
@@ -31,8 +33,8 @@ FIST_DEG = {"mcp": 90.0, "pip": 100.0, "dip": 67.0, "cmc1.flexion": 25.0, "cmc1.
 class InertiaTables(NamedTuple):
     """Tables of all moving coordinates k, one after the other in ``values``; every field can go into a compiled function.
 
-    J_k depends on y[inner[k]] and y[outer[k]], or on fewer where these are -1. Table k has ``entries[k]`` rows and columns. Entry (i, j) of table k is
-    ``values[start[k] + i * entries[k, 1] + j]`` and stands at the angles ``low[k] + step * (i, j)``; radians, kg m^2.
+    J_k depends on y[inner[k]] and y[outer[k]], or on fewer where these are -1. Table k has ``entries[k]`` rows and columns; its entry
+    (i, j) is ``values[start[k] + i * entries[k, 1] + j]`` and stands at the angles ``low[k] + step * (i, j)``; radians, kg m^2.
     """
 
     inner: Index
@@ -134,6 +136,24 @@ def tensor_inertia(hand: Hand, y: ArrayLike) -> Array:
     """J_k (moving,) from the pose by composite inertia tensors: what the tables approximate. C_dk^2 J_d, kg m^2."""
     result: Array = moments_of_inertia(hand, coupled(hand, y)) @ hand.coupling**2
     return result
+
+
+def carried_tensor(hand: Hand, dof: str, angle: ArrayLike) -> Array:
+    """Inertia tensor (3, 3) about the anchor of ``dof`` of all that it carries, at ``angle`` (dof,), kg m^2.
+
+    For any axis a through the anchor J = a' I a: four levels from the CMC joint of the little finger, the whole hand from the wrist.
+    """
+    joint = hand.dofs[dof].joint
+    carried: list[str] = []
+    for name, body in hand.bodies.items():  # parents come first
+        if body.joint == joint or body.parent in carried:
+            carried.append(name)
+    rows = [hand.body_names.index(name) for name in carried]
+    m = mechanics(hand)
+    transform, _, anchor = transforms(tree(hand), angle)
+    turn, shift = transform[rows, :3, :3], transform[rows, :3, 3]
+    centre = np.einsum("bij,bj->bi", turn, m.centre[rows]) + shift
+    return composite_tensor(m.mass[rows], centre, m.inertia[rows], anchor[hand.dof_names.index(hand.dofs[dof].name)], rotation=turn)
 
 
 def from_tables(hand: Hand, y: ArrayLike, *, nearest: bool = False, tables: InertiaTables | None = None) -> Array:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
 from handlab.anatomy.terms import find
+from handlab.physics.muscle import Reading
 
 DYNAMICS = ("coupled", "decoupled")
 FORCE = ("sound", "printed")
@@ -34,8 +36,8 @@ class Laws:
     """
 
     dynamics: str = "coupled"
-    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    force: str = "sound"
+    gravity: Sequence[float] = (0.0, 0.0, 0.0)
+    force: Reading = "sound"
     friction: str = "implicit"
     inertia: str = "tensor"
     substep: float = SUBSTEP
@@ -46,12 +48,12 @@ class Laws:
         if self.dynamics == "coupled" and (self.friction != "implicit" or self.inertia != "tensor"):
             raise ValueError(f"friction {self.friction!r} and inertia {self.inertia!r} need dynamics='decoupled': every rotation on its own")
         try:
-            gravity = tuple(float(value) for value in self.gravity)
+            gravity = [float(value) for value in self.gravity]
         except (TypeError, ValueError):
-            gravity = ()
+            gravity = []
         if len(gravity) != 3 or not all(isfinite(value) for value in gravity):
             raise ValueError(f"gravity is {self.gravity!r}; give three numbers in m/s^2, such as (0, 9.81, 0) with the palm downward")
-        object.__setattr__(self, "gravity", gravity)
+        object.__setattr__(self, "gravity", tuple(gravity))
         longest = LONGEST_SUBSTEP if self.friction == "implicit" else 1.0
         if not isfinite(self.substep) or not 1e-7 <= self.substep <= longest * (1.0 + 1e-12):
             raise ValueError(f"substep is {self.substep:g} s; give at least 1e-7 s and at most {longest:g} s, such as 1/1200")

@@ -19,7 +19,7 @@ from handlab.simulation.skeleton_kernel import dof_inertia
 class Mechanics(NamedTuple):
     """Arrays of body b, degree of freedom d, moving coordinate k, muscle m; SI units. Kernels take it as one argument.
 
-    Joints: ``parent`` (b,), degrees of freedom ``first`` to ``first + count - 1`` of each body, ``axis``, ``anchor`` (d, 3) and
+    Joints: ``parent`` (b,), degrees of freedom ``first`` to ``first + dof_count - 1`` of each body, ``axis``, ``anchor`` (d, 3) and
     ``mass`` (b,), ``centre`` (b, 3), ``inertia`` (b, 3, 3) in the zero posture; ``driver``, ``ratio``, ``offset`` (d,) with
     angle[d] = ratio[d] y[driver[d]] + offset[d]; coordinates ``moving`` (k,) among the degrees of freedom.
     Muscles: ``arm`` (m, k) = R C, once more row by row without zeros: ``arm_value[arm_start[i]:arm_start[i + 1]]`` at ``arm_column``;
@@ -34,7 +34,7 @@ class Mechanics(NamedTuple):
 
     parent: Index
     first: Index
-    count: Index
+    dof_count: Index
     axis: Array
     anchor: Array
     mass: Array
@@ -87,7 +87,7 @@ def mechanics(hand: Hand) -> Mechanics:
     return Mechanics(
         parent=kept.parent,
         first=kept.first,
-        count=kept.count,
+        dof_count=kept.count,
         axis=kept.axis,
         anchor=kept.anchor,
         mass=frozen([body.mass for body in bodies]),
@@ -168,7 +168,8 @@ def tightened_by(hand: Hand) -> Index:
         joint, _, kind = name.partition(".")
         if hand.collateral and joint.startswith("mcp") and kind == "deviation":
             found[k] = column.get(f"{joint}.flexion_extension", -1)
-    return frozen(found, np.int64)
+    result: Index = frozen(found, np.int64)
+    return result
 
 
 def coupled(hand: Hand, y: ArrayLike) -> Array:

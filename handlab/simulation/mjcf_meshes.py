@@ -47,7 +47,9 @@ def add_bones(asset: Element, bodies: Mapping[str, Element], hand: Hand, origin:
 def add_skin(deformable: Element, hand: Hand, origin: Mapping[str, Array]) -> None:
     """The detailed skin, bound to the bodies in the bind posture by its blend weights."""
     fine = hand.skin_fine
-    skin = SubElement(deformable, "skin", name="skin", vertex=short(fine.points), face=whole(fine.faces), rgba="0.87 0.68 0.57 1", group="2")
+    skin = SubElement(deformable, "skin", name="skin", rgba="0.87 0.68 0.57 1", group="2")
+    skin.set("vertex", short(fine.points))
+    skin.set("face", whole(fine.faces))
     weights = fine_weights(hand)
     for row, (name, transform) in enumerate(zip(hand.body_names, body_transforms(hand, hand.bind), strict=True)):
         moved = np.flatnonzero(weights[:, row])
@@ -68,9 +70,10 @@ def fine_weights(hand: Hand) -> Array:
     """Blend weights (Nf, body) of the detailed skin: those of the even skin under each point. Rows add to 1."""
     fine = hand.skin_fine
     corners = hand.skin.faces[fine.triangle]
-    weights: Array = np.einsum("nc,ncb->nb", fine.barycentric, hand.skin.weights[corners])
+    weights = np.einsum("nc,ncb->nb", fine.barycentric, hand.skin.weights[corners])
     weights = np.where(weights < LIGHTEST, 0.0, weights)
-    return weights / weights.sum(axis=1, keepdims=True)
+    result: Array = weights / weights.sum(axis=1, keepdims=True)
+    return result
 
 
 def quaternion(turn: Array) -> Array:

@@ -60,7 +60,7 @@ def settle(
     postures near the limits, unless ``look_for_others`` is false.
     """
     values, held = contraction_of(hand, contraction), held_coordinates(hand, hold)
-    laws = Laws(gravity=tuple(gravity))
+    laws = Laws(gravity=gravity)
     begin = rest(hand) if start is None else start
     moving = mechanics(hand).moving
     y, speed = np.array(begin.angle[moving]), np.array(begin.speed[moving])

@@ -15,14 +15,14 @@ from numpy.typing import ArrayLike
 from handlab.anatomy.records import Array, Body, Hand
 from handlab.physics.muscle import ACTIVE_CURVATURE, ACTIVE_PEAK, PASSIVE_CURVATURE
 from handlab.simulation.kinematics import tree
-from handlab.simulation.mjcf_meshes import add_bones, add_skin, body_origins, numbers
 from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.mjcf_meshes import add_bones, add_skin, body_origins, numbers
 
 ABOUT = """
 A hand of handlab. World and bodies: x distal, y palmar, z radial (of a right hand); metres, kilograms, radians, newtons.
 All angles zero is the straight hand; key frame "relaxed" is the hand at rest. Each actuator is a muscle: ctrl = contraction, 0 to 1.
 A tendon's length is the fibre's length less a constant: its coefficients are the lever arms, negative because what flexes shortens.
-Needs MuJoCo 3.7 or later. What differs from handlab's own laws:
+Bones lie under the skin: switch off Skin in the viewer. Needs MuJoCo 3.7 or later. What differs from handlab's own laws:
 """
 
 # What MuJoCo's laws cannot hold.
@@ -232,7 +232,7 @@ def add_couplings(equality: Element, hand: Hand) -> None:
         if driver is not dof:
             ratio = hand.coupling[row, hand.moving_names.index(driver.name)]
             line = numbers([hand.coupling_offset[row], ratio, 0.0, 0.0, 0.0])
-            SubElement(equality, "joint", joint1=name, joint2=driver.name, polycoef=line, **STIFF)
+            SubElement(equality, "joint", {**STIFF, "joint1": name, "joint2": driver.name, "polycoef": line})
 
 
 def check_body(body: Body) -> None:
@@ -241,4 +241,4 @@ def check_body(body: Body) -> None:
     if not body.mass > 0.0 or not moments[0] > 0.0:
         raise ValueError(f"body {body.name!r} has mass {body.mass:g} kg and moments {moments} kg m^2; MuJoCo needs positive ones")
     if moments[0] + moments[1] < moments[2]:
-        raise ValueError(f"body {body.name!r} has moments of inertia {moments} kg m^2: of no solid body, the largest exceeds the sum of the others")
+        raise ValueError(f"body {body.name!r} has moments of inertia {moments} kg m^2: of no solid body, one exceeds the sum of the others")

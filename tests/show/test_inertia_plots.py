@@ -128,6 +128,11 @@ def test_a_slider_bends_the_finger_and_the_read_out_follows(hand, close):
     assert panel.sliders["dip_deg"].value == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize("bend", [(0, 0), (50, 30), (100, 60), (110, 90)])
+def test_labels_of_the_chain_keep_clear_of_one_another(hand, close, bend):
+    assert not overlapping(ChainPanel(hand, pip_deg=bend[0], dip_deg=bend[1]).figure())
+
+
 def test_the_figure_of_the_panel_names_its_units(hand, close):
     left, right = ChainPanel(hand).figure().axes
     assert (left.get_xlabel(), right.get_ylabel(), right.get_xlabel()) == ("mm", "kg mm²", "PIP angle (degrees)")

@@ -68,11 +68,15 @@ def test_the_sliders_do_what_set_does_and_every_value_draws_a_picture(panel):
     panel.set(rule="leapfrog", step_ms=2.0)
     assert (panel.step_slider.value, panel.rule_choice.value) == (2.0, "leapfrog")
     assert "leapfrog" in panel._readout.value
+    drawn = []
+    panel.figure, really = lambda: drawn.append(1) or really(), panel.figure
+    panel.set(rule="implicit", step_ms=3.0)
+    assert len(drawn) == 1, "moving the sliders along must not compute everything again"
     for rule in panel.rule_choice.options:
         for value in (0.1, 30.0):
             panel.set(rule=rule, step_ms=value)
             pictures.add(panel._picture.value)
-    assert len(pictures) == 9
+    assert len(pictures) == 9  # the first, and two of each rule
     assert min(Image.open(io.BytesIO(panel._picture.value)).size) > 300
 
 

@@ -153,7 +153,7 @@ CLIPS: dict[str, tuple[str, tuple[str, ...], float, float, float]] = {
     "thumbs-up": ("Thumbs up", ("thumbs-up",), 2.2, 0.6, 1.0),
     "spread": ("The fingers spread", ("spread",), *SINGLE),
     "hook": ("Hook grip", ("hook",), *SINGLE),
-    "l": ("L: thumb and index finger", ("l",), 1.9, 0.7, 1.0),
+    "l": ("L: thumb and index finger", ("l",), 2.6, 0.7, 1.0),
     "count-to-five": ("Counting to five", ("point", "two", "three", "four", "open"), 2.0, 0.3, 0.15),
     "wave": ("Waving", ("wave-radial", "wave-ulnar", "wave-radial", "wave-ulnar", "wave-radial"), 0.5, 0.05, 1.0),
     "opposition": (

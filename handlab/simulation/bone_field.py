@@ -1,0 +1,93 @@
+"""How far a point is from bone, looked up: a signed distance on a grid around every rigid body, built once per hand.
+
+Exact distances of 1,500 points to 13,500 triangles take seconds; a look-up takes tens of nanoseconds and errs by less than 0.1 mm
+near a surface.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
+from handlab.simulation.per_hand import per_hand
+
+SPACING = 0.00125  # metres between grid points
+REACH = 0.003  # the field is cut off at this distance
+SAMPLE = 0.0007  # metres between the points that stand for a surface while the grid is built
+
+
+class BoneField(NamedTuple):
+    """Grids of all bodies b in one array: ``value[start[b] + (i * size[b, 1] + j) * size[b, 2] + k]`` m, positive outside bone.
+
+    ``origin`` (b, 3) m in the bind posture, ``size`` (b, 3) points, ``start`` (b,), ``spacing`` m.
+    """
+
+    value: Array
+    start: Index
+    size: Index
+    origin: Array
+    spacing: float
+
+
+@per_hand
+def bone_field(hand: Hand) -> BoneField:
+    """The field of a hand's bones in the bind posture, body by body."""
+    values, start, size, origin = [], [0], [], []
+    for body in hand.body_names:
+        grid, low = _grid([bone for bone in hand.bones.values() if bone.body == body])
+        values.append(grid.ravel())
+        start.append(start[-1] + grid.size)
+        size.append(grid.shape)
+        origin.append(low)
+    return BoneField(frozen(np.concatenate(values)), frozen(start[:-1], np.int64), frozen(size, np.int64), frozen(origin), SPACING)
+
+
+def _grid(bones: list[Mesh]) -> tuple[Array, Array]:
+    """Signed distances on a grid around some bones, and its lowest corner."""
+    from scipy.ndimage import label
+    from scipy.spatial import cKDTree
+
+    sampled = [samples(bone) for bone in bones]
+    place, normal = (np.concatenate([one[k] for one in sampled]) for k in (0, 1))
+    low = place.min(axis=0) - REACH
+    count = np.ceil((place.max(axis=0) + REACH - low) / SPACING).astype(int) + 1
+    points = low + SPACING * np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1)
+    distance, nearest = cKDTree(place).query(points.reshape(-1, 3), distance_upper_bound=REACH)
+    known = np.flatnonzero(np.isfinite(distance))
+    away = points.reshape(-1, 3)[known] - place[nearest[known]]
+    # Near a sample its tangent plane is a better surface than the sample itself.
+    plane = np.einsum("ij,ij->i", away, normal[nearest[known]])
+    aside = np.sqrt(np.maximum(distance[known] ** 2 - plane**2, 0.0))
+    field = np.full(len(distance), REACH)
+    field[known] = np.sign(plane) * np.hypot(plane, np.maximum(aside - SAMPLE, 0.0))
+    # What no sample reaches is deep inside or far outside: outside is what hangs together with the corner of the box.
+    far: NDArray[np.bool_] = ~np.isfinite(distance).reshape(count)
+    part, _ = label(far)
+    inside = far & (part != part[0, 0, 0])
+    grid = field.reshape(count)
+    grid[inside] = -REACH
+    return grid, low
+
+
+def samples(mesh: Mesh) -> tuple[Array, Array]:
+    """Points (n, 3) all over a mesh, at most about ``SAMPLE`` apart, and normals (n, 3), interpolated between the corners'."""
+    corners = mesh.points[mesh.faces]
+    normals = np.zeros_like(mesh.points)
+    face_normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    for k in range(3):
+        np.add.at(normals, mesh.faces[:, k], face_normal)
+    places, directions = [], []
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    steps = np.maximum(np.ceil(longest / SAMPLE).astype(int), 1)
+    for n in np.unique(steps):
+        i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+        u, v = ((i + 1 / 3) / n)[i + j < n], ((j + 1 / 3) / n)[i + j < n]
+        share = np.stack([1.0 - u - v, u, v], axis=1)
+        which = np.flatnonzero(steps == n)
+        places.append((share @ corners[which]).reshape(-1, 3))
+        directions.append((share @ normals[mesh.faces[which]]).reshape(-1, 3))
+    direction = np.concatenate(directions)
+    return np.concatenate(places), direction / np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-30)
