@@ -20,6 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import mechanics
 from live import measured, started
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -99,6 +100,19 @@ def headless() -> list[Row]:
     ]
 
 
+def skeleton() -> list[Row]:
+    """One step of the skeleton against MuJoCo's, and scalar tables against tensors."""
+    step, motion = mechanics.measured()
+    times = {name: f"{value:.2f} µs" for name, value in step.items()}
+    return [
+        Row("`mj_step` of MyoHand / decoupled step", step["MyoHand"] / step["tensor"], 50, "x", False, f"{times['MyoHand']} / {times['tensor']}"),
+        Row("coupled step / `mj_step` of our exported hand", step["coupled"] / step["own"], 1, "x", True, f"{times['coupled']} / {times['own']}"),
+        Row("2 s of decoupled motion", motion["tensor"], 5, "ms", True),
+        Row("2 s of coupled motion", motion["coupled"], 25, "ms", True),
+        Row("step with inertia tensors / with tables", step["tensor"] / step["table"], 3, "x", True, f"nearest entry {times['nearest table']}"),
+    ]
+
+
 def drawn() -> list[Row]:
     """A moving translucent hand on an off-screen canvas, read back as pixels."""
     import handlab as hl
@@ -174,7 +188,7 @@ def main() -> int:
     parser.add_argument("--clone", action="store_true", help="also time `make run` on a fresh clone")
     parser.add_argument("--no-write", action="store_true", help="print only")
     chosen = parser.parse_args()
-    parts = [imports, headless, drawn, live, sizes, *([fresh_clone] if chosen.clone else [])]
+    parts = [imports, skeleton, headless, drawn, live, sizes, *([fresh_clone] if chosen.clone else [])]
     rows = [row for part in parts for row in part()]
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
     text = f"# Measured against the goals\n\n{machine}; no graphics card. Made by `make bench`.\n\n{table(rows)}\n"

@@ -15,19 +15,28 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from handlab.anatomy.load import load_hand
     from handlab.anatomy.records import Hand, Muscle
+    from handlab.show.balance_plots import torque_balance
     from handlab.show.curves import curves
+    from handlab.show.excursion_plots import excursion_plot
+    from handlab.show.force_length_plots import force_length
+    from handlab.show.inertia_plots import inertia_table_errors, wrist_inertia
     from handlab.show.panels import MusclePanel
-    from handlab.show.plots import force_length, lever_arm_map
+    from handlab.show.plots import lever_arm_map
     from handlab.show.save import save
     from handlab.show.sheet import sheet
+    from handlab.show.step_plots import step_plot
+    from handlab.show.strength_plots import brand_plot, pull_map
     from handlab.show.view import view
+    from handlab.show.wrist_plots import wrist_plot
     from handlab.simulation.clip import Clip
+    from handlab.simulation.inertia_tables import inertia_tables
     from handlab.simulation.keyframes import KeyFrames, clips, keyframes
     from handlab.simulation.laws import Laws
     from handlab.simulation.play import simulate
     from handlab.simulation.settle import settle
     from handlab.simulation.skeleton import pose, rest, step
     from handlab.simulation.state import State
+    from handlab.simulation.to_mjcf import to_mjcf
 
 __version__ = "0.1.0"
 
@@ -49,7 +58,17 @@ _HOME = {
     "settle": "handlab.simulation.settle",
     "curves": "handlab.show.curves",
     "lever_arm_map": "handlab.show.plots",
-    "force_length": "handlab.show.plots",
+    "force_length": "handlab.show.force_length_plots",
+    "brand_plot": "handlab.show.strength_plots",
+    "pull_map": "handlab.show.strength_plots",
+    "excursion_plot": "handlab.show.excursion_plots",
+    "torque_balance": "handlab.show.balance_plots",
+    "wrist_plot": "handlab.show.wrist_plots",
+    "step_plot": "handlab.show.step_plots",
+    "inertia_tables": "handlab.simulation.inertia_tables",
+    "wrist_inertia": "handlab.show.inertia_plots",
+    "inertia_table_errors": "handlab.show.inertia_plots",
+    "to_mjcf": "handlab.simulation.to_mjcf",
     "save": "handlab.show.save",
     "sheet": "handlab.show.sheet",
     "view": "handlab.show.view",
@@ -65,20 +84,30 @@ __all__ = [
     "MusclePanel",
     "State",
     "__version__",
+    "brand_plot",
     "clips",
     "curves",
+    "excursion_plot",
     "force_length",
+    "inertia_table_errors",
+    "inertia_tables",
     "keyframes",
     "lever_arm_map",
     "load_hand",
     "pose",
+    "pull_map",
     "rest",
     "save",
     "settle",
     "sheet",
     "simulate",
     "step",
+    "step_plot",
+    "to_mjcf",
+    "torque_balance",
     "view",
+    "wrist_inertia",
+    "wrist_plot",
 ]
 
 

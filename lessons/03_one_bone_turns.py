@@ -53,7 +53,7 @@ start = hl.pose(hand, {f"{joint}.flexion_extension": angle for joint, angle in s
 others = [name for name in hand.moving_names if name != "mcp2.flexion_extension"]
 pulling = {"FDP2": [(0, 0), (0.1, 0.1), (0.3, 0.1), (0.4, 0)]}
 flick = hl.simulate(hand, pulling, seconds=0.8, hold=others, start=start)
-hl.view(hand, flick)
+hl.view(hand, flick, view="radial")
 
 # %%
 hl.curves(flick, muscles=["FDP2", "EDC2"], joints=["mcp2.flexion_extension"])

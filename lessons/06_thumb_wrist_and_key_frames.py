@@ -226,9 +226,17 @@ check("half", percent)
 # Six sliders, wrist held. Close it so that in every finger MCP, PIP and DIP flexion add up to 195 degrees or more, but to no more than
 # 240: that would be cramp. The pulp of the thumb has to lie on the middle phalanx of the index or middle finger, within 6 mm.
 #
-# Skin may sink into skin: nothing in this model pushes back yet. Hand over your six values like `{"FDP2": 0.05, ...}`.
+# Skin may sink into skin: nothing in this model pushes back yet. Move the sliders, run the second cell, and look what `closed` says:
+# the four sums in degrees, and the distances of the thumb in mm. Hand over your six values like `{"FDP2": 0.05, ...}`.
+
 
 # %%
+def closed(state):
+    angle = dict(zip(hand.dof_names, np.rad2deg(state.angle), strict=True))
+    sums = [round(sum(angle[f"{joint}{digit}.flexion_extension"] for joint in ("mcp", "pip", "dip"))) for digit in (2, 3, 4, 5)]
+    return sums, [round(1000 * measures.pulp_to_bodies(hand, state.skin, 1, (f"middle_phalanx_{digit}",)), 1) for digit in (2, 3)]
+
+
 panel = hl.MusclePanel(hand, ["FDP2", "FDP3", "FDP4", "FDP5", "FPL", "OPP"], hold=["wrist"], seconds=2)
 panel
 
@@ -237,6 +245,7 @@ panel
 panel.set(FDP2=0.2, FDP3=0.2, FDP4=0.2, FDP5=0.2, FPL=0.1, OPP=0.1)
 fist = panel.contraction
 # end solution
+print(closed(panel.state))
 check("fist", fist)
 
 # %% [markdown]

@@ -28,6 +28,7 @@ from tools.muscle_places import Places
 SOURCES = ("ANAT", "PAPER")
 PALM, BACK, RADIAL, ULNAR = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 STEPS = 30
+KEPT = 0.7  # share of the planned width that the grid keeps on the skin
 SWEEP = 0.2  # the skin must face the viewer at least this much (cosine)
 
 
@@ -163,7 +164,14 @@ def _feet(hand: Hand, wanted: Array, view: Array) -> tuple[Any, Array, Array]:
     spot, found, bary, up = settle(wanted + out[..., None] * way)
     for _ in range(STEPS):
         depth = np.einsum("rcd,rcd->rc", spot - wanted, up)
-        spot, found, bary, up = settle(spot + 0.4 * _even(wanted - (spot - depth[..., None] * up)))
+        move = 0.4 * _even(wanted - (spot - depth[..., None] * up))
+        # Where normals meet below an edge of the hand, columns would fall together: keep most of the planned width.
+        planned, width = np.diff(wanted, axis=1), np.diff(spot, axis=1)
+        narrow = np.linalg.norm(width, axis=2, keepdims=True) < KEPT * np.linalg.norm(planned, axis=2, keepdims=True)
+        push = np.where(narrow, 0.4 * (KEPT * planned - width), 0.0)
+        move[:, 1:] += push
+        move[:, :-1] -= push
+        spot, found, bary, up = settle(spot + move)
     return found, bary, np.einsum("rcd,rcd->rc", spot - wanted, up)
 
 

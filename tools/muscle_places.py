@@ -57,6 +57,18 @@ class Places:
         side = palmar * frame.palmar + radial * frame.radial
         return self._surface(bone, axis, side / np.linalg.norm(side), lift_mm)
 
+    def under(self, bone: str, along: float, palmar: float, radial: float, depth_mm: float) -> Array:
+        """Place ``depth_mm`` below the skin, seen from the axis of a long bone like ``on``; never in the bone."""
+        frame = self.frame(bone)
+        axis = frame.base + along * (frame.head - frame.base)
+        side = palmar * frame.palmar + radial * frame.radial
+        side /= np.linalg.norm(side)
+        skin = np.ascontiguousarray(self.hand.skin.points[self.hand.skin.faces])
+        out = first_hit(axis[None], side[None], skin)[0][0]
+        lowest = self._surface(bone, axis, side, 0.5)
+        place: Array = axis + max(out - 1e-3 * depth_mm, float((lowest - axis) @ side)) * side
+        return place
+
     def carpal(self, bone: str, direction: tuple[float, float, float], lift_mm: float = 0.0) -> Array:
         """Place above a carpal bone, seen from its middle in ``direction`` (distal, palmar, radial)."""
         way = np.array(direction, dtype=np.float64)

@@ -43,21 +43,22 @@ def thenar(at: Places) -> list[Plan]:
         _row(at.on(m1, 0.2, 0.8, 1, 1.9), at.on(m1, 0.72, 1, 0.1, 2.4), 3.6, m1, THENAR),
         _row(at.on(m1, 0.25, 0.2, 1, 0.9), at.on(m1, 0.9, 0.6, 1, 0.9), 1.6, m1, THENAR),
     ]
-    web = between(at.on(m1, 0.8, 1, -0.6, 3.0), at.on(m3, 0.55, 1, 0.4, 3.0), 0.5)
     oblique = [
         _row(at.on("metacarpal_2", 0.14, 1, -0.2, 1.6), at.on(m3, 0.12, 1, -0.3, 1.6), 2.4, "capitate", PALM),
         _row(at.on("metacarpal_2", 0.2, 1, 0.6, 3.6), at.on(m3, 0.28, 1, 0.6, 3.2), 4.0, {"capitate": 0.75, m1: 0.25}, PALM),
         _row(at.on(m1, 0.55, 1, -1, 5.0), between(at.on(m1, 0.6, 1, -1, 5.0), at.on(m3, 0.45, 1, 0.6, 3.6), 0.36), 4.4, {m1: 0.7, "capitate": 0.3}, PALM),
         _row(at.on(m1, 0.86, 1, -0.3, 2.2), at.on(m1, 0.84, 0.8, -1, 2.4), 3.0, m1, PALM),
-        _row(at.on(p1, 0.06, 1, -0.35, 0.9), at.on(p1, 0.07, 0.6, -1, 0.9), 1.5, p1, PALM),
+        _row(at.under(p1, 0.06, 1, -0.3, 2.8), at.under(p1, 0.07, 0.7, -1, 2.8), 1.5, p1, PALM),
     ]
+    start = at.on(m3, 0.36, 1, -0.1, 1.2), at.on(m3, 0.86, 1, -0.1, 1.2)
+    ulnar = at.under(p1, 0.02, 0.9, -1, 2.8), at.under(p1, 0.16, 0.4, -1, 2.8)
+    middle = between(at.on(m1, 0.66, 1, -1, 5.0), at.on(m3, 0.5, 1, 0.6, 3.6), 0.5), between(ulnar[1], at.on(m3, 0.86, 1, 0.6, 3.6), 0.5)
     transverse = [
-        _row(at.on(m3, 0.36, 1, -0.1, 1.2), at.on(m3, 0.86, 1, -0.1, 1.2), 2.0, m3, PALM),
-        _row(at.on(m3, 0.4, 1, 2.0, 4.0), between(at.on(m3, 0.82, 1, 0.6, 2.4), web, 0.3), 3.4, {m3: 0.8, m1: 0.2}, PALM),
-        _row(between(at.on(m1, 0.66, 1, -1, 5.0), at.on(m3, 0.5, 1, 0.6, 3.6), 0.5), between(at.on(m1, 0.86, 1, -1, 5.0), at.on(m3, 0.86, 1, 0.6, 3.6), 0.5), 3.6,
-             {m1: 0.5, m3: 0.5}, PALM),
-        _row(at.on(m1, 0.8, 0.7, -1, 3.0), at.on(m1, 0.92, 0.3, -1, 2.8), 3.0, {m1: 0.9, m3: 0.1}, PALM),
-        _row(at.on(p1, 0.06, 0.6, -1, 0.9), at.on(p1, 0.1, 0.1, -1, 0.9), 1.5, p1, PALM),
+        _row(*start, 2.0, m3, PALM),
+        _row(at.on(m3, 0.4, 1, 2.0, 4.0), between(at.on(m3, 0.84, 1, 0.6, 2.4), middle[1], 0.35), 3.4, {m3: 0.8, m1: 0.2}, PALM),
+        _row(*middle, 3.6, {m1: 0.5, m3: 0.5}, PALM),
+        _row(*(between(a, b, 0.6) for a, b in zip(middle, ulnar, strict=True)), 3.0, {m1: 0.9, m3: 0.1}, (0.3, 0.75, -0.15)),
+        _row(*ulnar, 1.5, p1, (0.4, 0.6, -0.4)),
     ]
     return [
         Plan("abductor_pollicis_brevis", "abductor_pollicis_brevis", resampled(abductor, 7), 3),
@@ -73,14 +74,14 @@ def hypothenar(at: Places) -> list[Plan]:
     m5, p5 = "metacarpal_5", "proximal_phalanx_5"
     abductor = [
         _row(at.carpal("pisiform", (1, 0.7, 0.3), 1.0), at.carpal("pisiform", (1, 0.3, -0.8), 1.0), 2.0, "pisiform", HYPO),
-        _row(at.on(m5, 0.2, 0.55, -1, 4.8), at.on(m5, 0.2, -0.3, -1, 4.0), 3.8, {"pisiform": 0.5, m5: 0.5}, HYPO),
-        _row(at.on(m5, 0.5, 0.5, -1, 4.2), at.on(m5, 0.5, -0.3, -1, 3.4), 3.8, m5, HYPO),
-        _row(at.on(m5, 0.86, 0.4, -1, 1.8), at.on(m5, 0.86, -0.2, -1, 1.6), 2.0, m5, HYPO),
-        _row(at.on(p5, 0.1, 0.3, -1, 0.7), at.on(p5, 0.1, -0.2, -1, 0.7), 1.3, p5, HYPO),
+        _row(at.under(m5, 0.2, 0.8, -1, 4.2), at.under(m5, 0.2, -0.25, -1, 4.2), 3.8, {"pisiform": 0.5, m5: 0.5}, HYPO),
+        _row(at.under(m5, 0.5, 0.8, -1, 4.0), at.under(m5, 0.5, -0.2, -1, 4.0), 3.8, m5, HYPO),
+        _row(at.under(m5, 0.86, 0.5, -1, 2.6), at.under(m5, 0.86, -0.2, -1, 2.6), 2.0, m5, HYPO),
+        _row(at.under(p5, 0.1, 0.5, -1, 2.2), at.under(p5, 0.1, -0.3, -1, 2.2), 1.3, p5, HYPO),
     ]
     hook = at.carpal("hamate", (0.5, 1, -0.2), 1.0)
     flexor = [
-        _row(*across(hook, np.array([0.2, 0.0, 1.0]), 4.0), 1.8, "hamate", PALM),
+        _row(*across(hook, np.array([-0.2, 0.0, -1.0]), 4.0), 1.8, "hamate", PALM),
         _row(at.on(m5, 0.25, 1, 0.55, 4.6), at.on(m5, 0.25, 1, -0.5, 4.6), 3.6, {"hamate": 0.5, m5: 0.5}, PALM),
         _row(at.on(m5, 0.55, 1, 0.15, 3.8), at.on(m5, 0.55, 1, -0.9, 3.8), 3.6, m5, PALM),
         _row(at.on(m5, 0.88, 1, -0.3, 2.4), at.on(m5, 0.88, 1, -1, 2.2), 2.2, m5, PALM),
@@ -111,12 +112,13 @@ def lumbricals(at: Places) -> list[Plan]:
             (m, 0.45, (1, 0.75), 4.2, 4.0, 2.8, m, PALM),
             (m, 0.66, (1, 0.9), 3.6, 4.0, 2.8, m, PALM),
             (m, 0.9, (0.8, 1), 2.6, 2.6, 1.8, m, PALM),
-            (p, 0.16, (0.35, 1), 1.2, 2.0, 1.2, p, PALM),
-            (p, 0.42, (-0.4, 1), 0.8, 2.0, 1.2, p, PALM),
+            (p, 0.1, (0.6, 1), 1.2, 2.0, 1.2, p, PALM),
+            (p, 0.22, (0.5, 1), 1.0, 3.4, 1.2, p, PALM),
         ):
             frame = f if bone == m else g
-            tangent = side[1] * frame.palmar - side[0] * frame.radial
-            rows.append(Row(*across(at.on(bone, along, *side, lift), -tangent, width), thick, carried, view))
+            if k == 2:  # the first lies at the radial edge of the palm, and is seen more and more from there
+                view = (0.0, 1.0, 1.4 * along if bone == m else 2.5)
+            rows.append(Row(*across(at.on(bone, along, *side, lift), np.cross(frame.distal, view), width), thick, carried, view))
         found.append(Plan(f"lumbrical_{k - 1}", f"lumbrical_{k - 1}", resampled(rows, 9), 2, on_bone=(False, True)))
     return found
 

@@ -23,7 +23,7 @@ FILE = "passive.json"
 
 @dataclass(frozen=True, eq=False)
 class Passive:
-    """All passive properties (dof,): ``stiffness`` N m/rad, ``friction`` N m s/rad, ``capsule``, and ``collateral`` of the finger MCP joints."""
+    """Passive properties (dof,): ``stiffness`` N m/rad, ``friction`` N m s/rad, ``capsule``; ``collateral`` of the finger MCP joints."""
 
     stiffness: Array
     friction: Array

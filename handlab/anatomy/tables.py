@@ -227,7 +227,6 @@ def newton_per_percent() -> float:
     return float(_muscle_table()["meta"]["force_scale"]["newton_per_percent"])
 
 
-
 def fibre_rest(posture: str) -> Array:
     """Angles (dof,) in radians of a posture in which fibres may have their rest length; followers follow.
 

@@ -12,8 +12,8 @@ from handlab.anatomy.records import Array
 from handlab.check.answers import VISIBLE_DEG, joints, listing, number, one, reference
 from handlab.check.lesson import Exercises
 from handlab.check.verdict import Open, Wrong, is_open
-from handlab.simulation.play import simulate
 from handlab.simulation.mechanics import fibre_lengths
+from handlab.simulation.play import simulate
 from handlab.simulation.skeleton import pose
 from handlab.simulation.state import State
 

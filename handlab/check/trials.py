@@ -82,8 +82,7 @@ def shift(rotation: str) -> Array:
 def finger_sums(state: State) -> Array:
     """MCP, PIP and DIP flexion (4,) of index to little finger, added up, degrees."""
     columns = [[column(f"{joint}{digit}.flexion_extension") for joint in ("mcp", "pip", "dip")] for digit in (2, 3, 4, 5)]
-    total: Array = np.rad2deg(state.angle[columns]).sum(axis=1)
-    return total
+    return np.asarray(np.rad2deg(state.angle[columns]).sum(axis=1), dtype=np.float64)
 
 
 def pulls(state: State, contraction: Mapping[str, float]) -> Array:
@@ -97,8 +96,8 @@ def balancing(clip: Clip, frame: int) -> Array:
     hand = reference()
     rows = [row(muscle) for muscle in EXTENSORS]
     full = hand.max_force[rows] * active_force_length(clip.fibre_length[frame, rows] / hand.rest_length[rows])
-    result: Array = np.linalg.solve(hand.lever_arm[np.ix_(rows, WRIST)].T * full, -clip.torque[frame, list(WRIST)])
-    return result
+    matrix = hand.lever_arm[np.ix_(rows, WRIST)].T * full
+    return np.asarray(np.linalg.solve(matrix, -clip.torque[frame, list(WRIST)]), dtype=np.float64)
 
 
 def deflection(clip: Clip) -> Array:

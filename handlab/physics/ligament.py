@@ -98,9 +98,9 @@ def collateral_energy(
     at_upper: ArrayLike,
     taut_at: float = TAUT_AT,
 ) -> Array:
-    """Energy of a deviation spring and capsule that MCP flexion tightens: stiffness grows by ``factor``, limits and width shrink to ``fraction``.
+    """Energy of a deviation spring and capsule that MCP flexion tightens.
 
-    Both torques are slopes of this one energy, that on flexion too: without it, flexing and straightening a spread finger would
+    Stiffness grows by ``factor``, limits and width shrink to ``fraction``. Both torques are slopes of this one energy, that on flexion too: without it, flexing and straightening a spread finger would
     gain energy from nothing.
     """
     away = np.asarray(deviation, dtype=np.float64) - np.asarray(rest)

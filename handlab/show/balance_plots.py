@@ -28,13 +28,13 @@ def torque_balance(
     time: float | None = None,
     state: State | None = None,
     contraction: Mapping[str, float] | ArrayLike | None = None,
-    gravity: ArrayLike = NONE,
+    gravity: ArrayLike | None = None,
 ) -> Any:
     """Every torque at ``joint`` (its flexion, or a degree of freedom by name), largest first; each bar begins where the last ends.
 
     Of a clip at ``time`` in seconds (default: its end), or of a hand in a ``state`` (default: relaxed) with contractions. The last
     bar is the net torque: what is left to turn the joint. Solid: active; hatched: passive (stretched fibres, joint, friction, and the
-    weight of what it carries if ``gravity`` (3,) m/s^2 is given).
+    weight of what it carries under ``gravity`` (3,) m/s^2: for a clip that of its laws, else none).
     """
     if isinstance(what, Clip):
         if state is not None or contraction is not None:
@@ -42,6 +42,7 @@ def torque_balance(
         frame = _frame(what, time)
         hand, state, contraction = what.hand, what.states[frame], what.contraction[frame]
         moment = f" at {what.time[frame]:.2f} s"
+        gravity = what.laws.gravity if gravity is None else gravity
     else:
         from handlab.simulation.skeleton import rest
 
@@ -50,7 +51,7 @@ def torque_balance(
         hand, moment = what, ""
         state = rest(hand) if state is None else state
     dof = flexion_of(hand, joint)
-    parts = shortened(torque_parts(hand, state, {} if contraction is None else contraction, dof, gravity=gravity))
+    parts = shortened(torque_parts(hand, state, {} if contraction is None else contraction, dof, gravity=NONE if gravity is None else gravity))
     with wall() as figure:
         axes = figure.subplots()
         _waterfall(axes, hand, parts, dof)

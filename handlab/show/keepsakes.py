@@ -14,8 +14,8 @@ from handlab.physics.muscle import muscle_force
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframe_files import refused
 from handlab.simulation.keyframes import KeyFrames
-from handlab.simulation.play import simulate
 from handlab.simulation.mechanics import fibre_lengths
+from handlab.simulation.play import simulate
 from handlab.simulation.skeleton import contraction_of, held_coordinates, pose
 from handlab.simulation.skin import blend
 from handlab.simulation.state import State

@@ -12,7 +12,7 @@ from handlab.show.moments import Story, story
 from handlab.show.outputs import checked
 from handlab.simulation.writing import whole_file
 
-FORMATS = (".mp4", ".gif", ".png", ".csv", ".glb", ".html")
+FORMATS = (".mp4", ".gif", ".png", ".csv", ".glb", ".html", ".xml")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -31,7 +31,7 @@ def save(
     """Write a clip, a hand (relaxed), a state (say whose: ``hand=``) or a figure to ``path``; the path it went to.
 
     ``.mp4`` and ``.gif`` are films, ``.png`` is a still or the moments of a clip, ``.csv`` is a clip's table, ``.glb`` is animated
-    glTF (skin and bones), ``.html`` is one page that plays offline in any browser.
+    glTF (skin and bones), ``.html`` is one page that plays offline in any browser, ``.xml`` is the hand as a MuJoCo model (``to_mjcf``).
     Several views stand beside each other, several skins below each other: ``view=["palm", "back"], skin=["solid", "translucent"]``.
     ``muscles`` lists the contracting muscles by group, with percent and newtons. ``size`` is width and height in pixels of the
     whole picture, ``fps`` frames per second; the motion is the same at any rate.
@@ -97,4 +97,13 @@ def _html(told: Story, out: Path, plan: Any, fps: float) -> None:
     write_html(told, out, view=plan.views[0], skin=plan.skins[0], bones=plan.bones)
 
 
-WRITERS = {".mp4": _mp4, ".gif": _gif, ".png": _png, ".csv": _csv, ".glb": _glb, ".html": _html}
+def _xml(told: Story, out: Path, plan: Any, fps: float) -> None:
+    from handlab.simulation.to_mjcf import to_mjcf
+
+    if told.clip is not None:
+        raise ValueError("a .xml holds a hand, not a motion: save clip.hand, or the clip as .csv or .glb")
+    with whole_file(out) as temporary:
+        temporary.write_text(to_mjcf(told.hand), encoding="utf-8")
+
+
+WRITERS = {".mp4": _mp4, ".gif": _gif, ".png": _png, ".csv": _csv, ".glb": _glb, ".html": _html, ".xml": _xml}

@@ -13,13 +13,14 @@ from handlab.anatomy.records import Array, Hand
 from handlab.physics.muscle import muscle_force
 from handlab.physics.one_bone import RULES, Motion, Rule, march
 from handlab.physics.rotation import largest_step
-from handlab.show.colours import FAINT
+from handlab.show.colours import FAINT, INK
 from handlab.show.figures import drawing, line
 from handlab.show.main_thread import OnMain
 from handlab.simulation.mechanics import moments_of_inertia
 from handlab.simulation.skeleton import pose
 
 FINEST = 1.0 / 40.0  # step of the reference curve, in units of J / mu
+BEHIND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 2.0}  # of words that a curve may cross
 TOO_FAST = 3.0  # an overshooting step at the edge of what is stable reaches twice the right speed
 LOG_STEPS = (-1.0, 1.5)  # of the slider: 0.1 ms to 30 ms
 
@@ -121,8 +122,8 @@ class StepPanel:
                 panel.plot(1e3 * self.reference.time, right, color="0.3", linewidth=2.0, linestyle=":", label="tiny steps")
                 self._own(panel, own, right)
                 panel.set(title=name, xlabel="time (ms)", ylabel=unit, xlim=(0.0, 1e3 * self.seconds))
-            axes[0].legend(loc="upper left")
-            how = {"transform": axes[0].get_xaxis_transform(), "va": "bottom", "fontsize": 13, "color": FAINT}
+            axes[0].legend(loc="upper left", frameon=True, facecolor="white", framealpha=0.9, edgecolor="none")
+            how = {"transform": axes[0].get_xaxis_transform(), "va": "bottom", "fontsize": 13, "color": INK, "bbox": BEHIND}
             axes[0].text(490.0 * self.seconds, 0.02, f"{self.muscle.abbreviation} pulls ", ha="right", **how)
             axes[0].text(510.0 * self.seconds, 0.02, " lets go", ha="left", **how)
             note = f"step {self.step_ms:.3g} ms,  2J/µ = {self.limit_ms:.3g} ms"
@@ -156,6 +157,7 @@ class StepPanel:
         slider = ipywidgets.FloatLogSlider(
             value=self._step_ms, base=10, min=low, max=high, step=0.02, description="step, ms", readout_format=".2f"
         )
+        slider.layout.width = "45%"
         move: OnMain[float] = OnMain(lambda value: self.set(step_ms=value))
         slider.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
         return slider
@@ -165,7 +167,7 @@ class StepPanel:
         """The choice of the rule."""
         import ipywidgets
 
-        choice = ipywidgets.ToggleButtons(options=list(get_args(Rule)), value=self._rule, description="rule")
+        choice = ipywidgets.ToggleButtons(options=list(get_args(Rule)), value=self._rule, style={"button_width": "6em"})
         move: OnMain[Rule] = OnMain(lambda value: self.set(rule=value))
         choice.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
         return choice

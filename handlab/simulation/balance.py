@@ -73,9 +73,7 @@ def unbalanced(
     return np.where(held_coordinates(hand, hold), 0.0, torque)
 
 
-def tangent(
-    hand: Hand, angle: ArrayLike, contraction: Mapping[str, float] | ArrayLike, gravity: Sequence[float] = WEIGHTLESS
-) -> Array:
+def tangent(hand: Hand, angle: ArrayLike, contraction: Mapping[str, float] | ArrayLike, gravity: Sequence[float] = WEIGHTLESS) -> Array:
     """Derivative (moving, moving) of the torque by the moving coordinates, N m/rad, without hard stops; symmetric.
 
     A balance is stable where all its eigenvalues are negative.

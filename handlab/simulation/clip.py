@@ -11,6 +11,7 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand
 from handlab.anatomy.terms import find
+from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.skin import Method, blend
 from handlab.simulation.state import State
 from handlab.simulation.table import Table
@@ -22,7 +23,7 @@ class Clip:
 
     ``time`` (T,) s, ``contraction`` (T, muscle), ``angle`` (T, dof) rad, ``speed`` (T, dof) rad/s, ``fibre_length``
     (T, muscle) m, ``force`` (T, muscle) N, ``torque`` (T, dof) N m: of the muscles alone, R' F, without friction, joint
-    stiffness and stops.
+    stiffness and stops. ``laws``: those of the motion.
     """
 
     hand: Hand = field(repr=False)
@@ -35,6 +36,7 @@ class Clip:
     torque: Array
     fps: float
     name: str = ""
+    laws: Laws = SOUND
 
     def __repr__(self) -> str:
         """One line, with the number that every force in it depends on."""

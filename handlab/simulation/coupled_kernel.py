@@ -172,7 +172,10 @@ def solve(a: Array, ancestor_start: Index, ancestor: Index, x: Array) -> None:
 def hold_stops(
     y: Array, speed: Array, dt: float, stop: Array, held: Flags, a: Array, ancestor_start: Index, ancestor: Index, column: Array
 ) -> None:
-    """Impulses at the hard stops: what would pass one in this substep ends at it, and its neighbours feel that. ``column`` (k,) is used up."""
+    """Impulses at the hard stops: what would pass one in this substep ends at it, and its neighbours feel that.
+
+    ``column`` (k,) is used up.
+    """
     for _ in range(ROUNDS):
         none = True
         for k in range(y.shape[0]):

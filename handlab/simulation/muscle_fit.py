@@ -149,7 +149,9 @@ def _check_room(grid: MuscleGrid, depth: Array, offset: Array) -> None:
 def _check_cells(grid: MuscleGrid, painted: Array, outward: Array) -> None:
     along, across = painted[1:] - painted[:-1], painted[:, 1:] - painted[:, :-1]
     if min(np.linalg.norm(along, axis=2).min(), np.linalg.norm(across, axis=2).min()) < SHORTEST:
-        raise ValueError(f"the muscle grid {grid.name!r} has points nearer than {1e3 * SHORTEST:g} mm to each other; spread its rows and columns")
+        raise ValueError(
+            f"the muscle grid {grid.name!r} has points nearer than {1e3 * SHORTEST:g} mm to each other; spread its rows and columns"
+        )
     # Every cell must lie the same way round on the skin: a grid that folds over or crosses itself does not.
     normal = np.cross(along[:, :-1] + along[:, 1:], across[:-1] + across[1:])
     middle = outward[1:, 1:] + outward[:-1, 1:] + outward[1:, :-1] + outward[:-1, :-1]

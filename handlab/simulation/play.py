@@ -32,8 +32,9 @@ def simulate(
 ) -> Clip:
     """The motion that key frames (or the name of a clip, a mapping, a file) give, from ``start`` or the relaxed hand.
 
-    ``seconds``: until the last key if not given; ``fps``: frames per second; ``hold``: joints or degrees of freedom that
-    an examiner's hand holds; ``laws``: which laws of motion, and gravity (see ``Laws``); ``progress`` is called with the finished fraction in [0, 1].
+    ``seconds``: until the last key if not given; ``fps``: frames per second; ``hold``: joints or degrees of freedom that an
+    examiner's hand holds; ``laws``: which laws of motion, and gravity (see ``Laws``); ``progress`` is called with the finished
+    fraction in [0, 1].
 
     Substeps lie on one grid of ``laws.substep`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
     same motion. A frame between two substeps is interpolated linearly.
@@ -61,6 +62,7 @@ def simulate(
         torque=frozen(force @ hand.lever_arm),
         fps=fps,
         name=keys.name,
+        laws=laws,
     )
 
 

@@ -101,7 +101,8 @@ def _rest(hand: Hand, y: Array, speed: Array, values: Array, held: NDArray[np.bo
             still = state_at(hand, exact, np.zeros(len(exact)), time)
             return Rest(still, bool(np.all(stiffness > STABLE)), frozen(stiffness), frozen(left))
     name = hand.moving_names[int(np.abs(speed).argmax())]
-    raise RuntimeError(f"the hand has not come to rest after {LONGEST:g} s: {name} still turns by {np.rad2deg(np.abs(speed).max()):.2g} degrees/s")
+    left = np.rad2deg(np.abs(speed).max())
+    raise RuntimeError(f"the hand has not come to rest after {LONGEST:g} s: {name} still turns by {left:.2g} degrees/s")
 
 
 def _newton(

@@ -18,7 +18,7 @@ from handlab.simulation.coupled_kernel import advance_coupled
 from handlab.simulation.decoupled_kernel import advance_decoupled
 from handlab.simulation.inertia_tables import inertia_tables
 from handlab.simulation.kinematics import body_transforms
-from handlab.simulation.laws import FRICTION, INERTIA, SOUND, SUBSTEP, Laws
+from handlab.simulation.laws import FRICTION, INERTIA, SOUND, Laws
 from handlab.simulation.mechanics import coupled, fibre_lengths, mechanics
 from handlab.simulation.skin import blend
 from handlab.simulation.state import State

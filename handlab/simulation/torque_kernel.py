@@ -40,10 +40,10 @@ def muscle_torque(y: Array, contraction: Array, m: Mechanics, pushing: bool, tor
 
 @compiled
 def passive_torque(y: Array, m: Mechanics, torque: Array, slope: Array, drag: Array, stop: Array) -> float:
-    """Add springs, capsules and ligaments at ``y`` to ``torque`` (k,); fill ``slope``, ``drag`` (k,) and ``stop`` (k, 2); return the energy.
+    """Add springs, capsules and ligaments at ``y`` to ``torque`` (k,) and return the energy that they store.
 
-    ``slope`` is minus the derivative of each torque by its own coordinate, ``drag`` the viscous coefficient of friction and capsule,
-    ``stop`` where nothing gives any more. The energy is that stored in springs, capsules and ligaments.
+    Fills ``slope``, ``drag`` (k,) and ``stop`` (k, 2): ``slope`` is minus the derivative of each torque by its own coordinate, ``drag`` the viscous coefficient of friction and capsule,
+    ``stop`` where nothing gives any more.
     """
     friction, stiffness, relaxed, tightened_by = m.friction, m.stiffness, m.relaxed, m.tightened_by
     limits, all_width, torque_at_limit, time, hard_stop = m.limits, m.width, m.torque_at_limit, m.time, m.hard_stop

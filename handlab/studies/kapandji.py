@@ -15,8 +15,8 @@ import numpy as np
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.physics.distance import closest
 from handlab.simulation.kinematics import posed_axes
-from handlab.simulation.per_hand import per_hand
 from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import blend, normals
 from handlab.studies.measures import flesh_depth, pulps, segment_faces, skin_distance
 

@@ -99,8 +99,12 @@ def test_settings_are_saved_with_the_hand(tmp_path, hand):
     rest = np.array(hand.fibre_rest)
     rest[5] += 0.1
     mine = hand.with_newton_per_percent(25.0).with_(
-        friction=frozen(2.0 * hand.friction), fibre_rest=frozen(rest), stiffness=frozen(0.5 * hand.stiffness), name="mine",
-        relaxed=frozen(rest), capsule=replace(hand.capsule, torque=frozen(2.0 * hand.capsule.torque)),
+        friction=frozen(2.0 * hand.friction),
+        fibre_rest=frozen(rest),
+        stiffness=frozen(0.5 * hand.stiffness),
+        name="mine",
+        relaxed=frozen(rest),
+        capsule=replace(hand.capsule, torque=frozen(2.0 * hand.capsule.torque)),
     )
     mine.save(tmp_path / "mine")
     again = handlab.load_hand(tmp_path / "mine")

@@ -13,7 +13,7 @@ from handlab.show.excursion_plots import excursion_plot
 from handlab.show.force_length_plots import force_length
 from handlab.show.step_plots import step_plot
 from handlab.show.strength_plots import brand_plot, pull_map
-from handlab.show.wall_plots import together
+from handlab.show.wall_plots import overlap, places, together
 from handlab.show.wrist_plots import wrist_plot
 from handlab.studies.torque_parts import Part
 
@@ -236,9 +236,10 @@ def test_the_bars_of_the_torque_balance_end_at_the_net_torque(grip):
 
 
 def test_small_torques_share_a_bar_that_keeps_the_sum():
-    parts = [Part(f"m{k}", 1.0 / (k + 1), 0.0) for k in range(30)]
+    parts = [Part(f"m{k}", 0.7 / (k + 1), 0.3 / (k + 1)) for k in range(30)]
     few = shortened(parts, most=5)
     assert [part.name for part in few] == ["m0", "m1", "m2", "m3", "26 more"]
+    assert sum(part.passive for part in few) == pytest.approx(sum(part.passive for part in parts))
     assert sum(part.torque for part in few) == pytest.approx(sum(part.torque for part in parts))
     assert shortened(parts[:3], most=5) == parts[:3]
 
@@ -257,3 +258,17 @@ def test_a_torque_balance_wants_a_moment_that_exists(grip, hand):
 def test_names_of_one_place_are_one_label():
     assert together(["FDS2", "FDS3", "FDS4", "FDS5"]) == "FDS 2 3 4 5"
     assert together(["EIP"]) == "EIP"
+
+
+def test_labels_stay_inside_the_frame_and_apart_even_in_a_crowd():
+    """Points: a dense cloud of 25 dots in a corner, boxes of 40 x 16."""
+    frame = np.array([[0.0, 0.0], [800.0, 500.0]])
+    at = np.random.default_rng(3).random((25, 2)) * [260.0, 180.0] + [535.0, 315.0]
+    half = np.tile([20.0, 8.0], (len(at), 1))
+    middle = places(at, np.full(len(at), 5.0), half, frame)
+    assert (middle - half >= frame[0] - 1e-9).all()
+    assert (middle + half <= frame[1] + 1e-9).all()
+    shared = overlap(middle, half[0], middle, half)
+    np.fill_diagonal(shared, 0.0)
+    assert shared.max() == 0.0
+    assert np.linalg.norm(middle - at, axis=1).max() < 100.0

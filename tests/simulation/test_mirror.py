@@ -4,8 +4,8 @@ import pytest
 import handlab
 from handlab.anatomy.mirror import mirrored
 from handlab.simulation.kinematics import body_transforms, posed_bone
-from handlab.simulation.play import simulate
 from handlab.simulation.mechanics import coupled, mechanics, moments_of_inertia
+from handlab.simulation.play import simulate
 from handlab.simulation.skin import blend, fine_points
 
 FLIP = np.array([1.0, 1.0, -1.0])

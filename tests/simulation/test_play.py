@@ -5,9 +5,9 @@ import pytest
 
 from handlab.physics.muscle import muscle_force
 from handlab.simulation.keyframes import keyframes
-from handlab.simulation.play import simulate
 from handlab.simulation.laws import SUBSTEP
 from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.play import simulate
 from handlab.simulation.skeleton import integrate, rest, step
 
 LIVELY = {

@@ -11,7 +11,7 @@ from handlab.simulation.balance import settled
 from handlab.simulation.dynamics import bias, energy, mass_matrix, passive_torque
 from handlab.simulation.laws import SUBSTEP, Laws
 from handlab.simulation.mechanics import coupled, fibre_lengths, mechanics, moments_of_inertia
-from handlab.simulation.skeleton import contraction_of, held_coordinates, integrate, pose, rest, state_at, step, substeps_of
+from handlab.simulation.skeleton import held_coordinates, integrate, pose, rest, state_at, step, substeps_of
 
 DT = 1 / 60
 

@@ -1,0 +1,238 @@
+"""One frame of the whole hand: contraction -> skeleton -> muscle segments -> anchors -> skin -> normals (sections 3.1 and 4.2).
+
+Three ways to wear the skin, by name: ``"blend"`` (bones alone move it), ``"springs"`` (the network follows the bones), ``"springs and
+muscles"`` (and the surfaces of the geometric muscles below it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.anatomy.terms import find
+from handlab.simulation import skin_kernel
+from handlab.simulation import soft_hold_kernel as limits
+from handlab.simulation import soft_skin_kernel as kernel
+from handlab.simulation.bone_field import bone_field
+from handlab.simulation.clip import Clip
+from handlab.simulation.geometric_muscle import Ellipsoids, place
+from handlab.simulation.kinematics import relative_transforms
+from handlab.simulation.laws import SOUND, Laws
+from handlab.simulation.mechanics import coupled, mechanics
+from handlab.simulation.per_hand import per_hand
+from handlab.simulation.skeleton import contraction_of, integrate, held_coordinates, substeps_of
+from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
+
+Skin = Literal["blend", "springs", "springs and muscles"]
+SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
+
+LONGEST = 1.9  # times its rest length: no edge is longer at the end of a frame
+LEAST_TURN = 0.1  # cosine between a triangle's normal and the carried one, below which it is turned back
+PART, PASSES, ROUNDS = 0.5, 8, 3  # how far, how often, how many rounds of all limits
+CENTRE_PASSES = 6
+LIFT = 0.012  # m: a node follows a muscle's surface by less than this
+GAIN = 0.5  # share of a lack of volume that the next frame makes good
+SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
+CLEARANCE, MOST_CLEARANCE = 0.6, 0.0015  # skin keeps this share of its rest distance from bone, at most so many metres
+NEAR_BONE = 0.012  # m: bones that come this near a node in the bind posture are asked for
+
+
+class Anchors(NamedTuple):
+    """Where the network is tied at one moment: ``centre``, ``arm`` (3, n) of the mirrored pairs, and ``turn`` (4, n), how nodes are turned."""
+
+    centre: Array
+    arm: Array
+    turn: Array
+
+
+class Guard(NamedTuple):
+    """Which bones are looked up for which nodes: pairs of ``node``, ``body``, with the ``clearance`` in metres that is kept."""
+
+    node: Index
+    body: Index
+    clearance: Array
+
+
+def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None = None, *, swelling: float = 0.0) -> Anchors:
+    """Anchors for ``transforms`` (body, 4, 4), as ``relative_transforms`` gives them.
+
+    ``ellipsoids``: muscles that lift the skin above them, of ``network.muscles``; without them bones alone count. ``swelling``: relative
+    stretch of all columns of tissue.
+    """
+    count = len(network.points)
+    quaternion = np.empty((len(transforms), 8))
+    skin_kernel.dual_quaternions(transforms, quaternion)
+    out = Anchors(np.empty((3, count)), np.empty((3, count)), np.empty((4, count)))
+    kernel.carried(quaternion, network.index, network.weight, network.centre, network.arm, out.turn, out.centre, out.arm)
+    if ellipsoids is not None:
+        ties = network.ties
+        kernel.lifted(*ties, network.centre, out.turn, *ellipsoids, LIFT, out.centre)
+    limits.unfold(out.centre, out.turn, network.faces, network.corner, LEAST_TURN, PART, CENTRE_PASSES)
+    if swelling:
+        stretch = swelling * out.arm
+        np.add(out.centre, stretch, out=out.centre)
+        np.add(out.arm, stretch, out=out.arm)
+    return out
+
+
+def advance(network: Network, soft: SoftSkin, after: Anchors, dt: float, *, steps: int | None = None) -> tuple[Array, Array]:
+    """Position and velocity (3, n) after ``dt`` seconds of springs alone, while the anchors go evenly from ``soft.centre`` to ``after``.
+
+    ``steps``: leapfrog steps; from the largest eigenvalue if not given.
+    """
+    count = network.substeps(dt) if steps is None else steps
+    position, velocity = soft.position.copy(), soft.velocity.copy()
+    force, block = np.empty_like(position), np.empty((10, position.shape[1]))
+    kernel.framed(soft.centre, after.centre, after.arm, PAIR_REST, block)
+    kernel.leapfrog(
+        position,
+        velocity,
+        force,
+        network.first,
+        network.second,
+        network.stiffness,
+        network.rest,
+        network.slack,
+        block,
+        network.hold,
+        network.inverse_mass,
+        dt / count,
+        count,
+        network.damping,
+    )
+    return position, velocity
+
+
+def limited(hand: Hand, network: Network, position: Array, turn: Array, transforms: Array) -> int:
+    """Skin out of bone, no edge too long, no triangle inverted, in place; returns how many triangles stay inverted."""
+    pairs, field = guard(hand), bone_field(hand)
+    faults = 0
+    for _ in range(ROUNDS):
+        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
+        limits.out_of_bone(position, transforms, *pairs, *field)
+        faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
+        if not long and not faults:
+            break
+    return faults
+
+
+@per_hand
+def guard(hand: Hand) -> Guard:
+    """Nodes and the bodies whose bones they must stay out of: those that move them, and those that are near in the bind posture."""
+    from scipy.spatial import cKDTree
+
+    points = hand.skin.points
+    node, body, clearance = [], [], []
+    for b, name in enumerate(hand.body_names):
+        bones = np.concatenate([bone.points[bone.faces].mean(axis=1) for bone in hand.bones.values() if bone.body == name])
+        near = cKDTree(bones).query(points)[0]
+        mine = np.flatnonzero((near < NEAR_BONE) | (hand.skin.weights[:, b] > 0.01))
+        node.append(mine)
+        body.append(np.full(len(mine), b))
+        clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
+    return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((node, np.uint32), (body, np.uint32), (clearance, np.float64))))
+
+
+def begin(hand: Hand, network: Network, angle: ArrayLike, contraction: ArrayLike | None = None, *, skin: Skin = SKINS[2]) -> SoftSkin:
+    """The skin at rest at ``angle`` (dof,) rad: bent there from the bind posture, slowly, and left until it is still."""
+    soft = at_bind(network)
+    goal, way = np.asarray(angle, dtype=np.float64), 24
+    for k in range(2 * way):
+        part = min(1.0, (k + 1) / way)
+        soft = follow(hand, network, soft, hand.bind + part * (goal - hand.bind), contraction, 1.0 / 60.0, skin=skin)
+    return soft
+
+
+def at_bind(network: Network) -> SoftSkin:
+    """The network in the bind posture: at rest exactly where its nodes are."""
+    position, normal = np.ascontiguousarray(network.points.T), np.empty((3, len(network.points)))
+    volume = kernel.volume_and_area(position, network.faces, normal)
+    return SoftSkin(position, np.zeros_like(position), np.ascontiguousarray(network.centre.T), normal, 0.0, volume)
+
+
+def follow(
+    hand: Hand,
+    network: Network,
+    soft: SoftSkin,
+    angle: ArrayLike,
+    contraction: ArrayLike | None,
+    dt: float,
+    *,
+    skin: str = SKINS[2],
+) -> SoftSkin:
+    """The skin ``dt`` seconds later, when the bones have come to ``angle`` (dof,) rad and muscles have ``contraction`` (muscle,)."""
+    worn = find(skin, SKINS, kind="way to wear the skin")
+    transforms = relative_transforms(hand, angle)
+    if worn == "blend":
+        return blended(hand, network, transforms)
+    shapes = None
+    if worn == SKINS[2] and network.muscles is not None:
+        count = len(network.muscles.owner)
+        shapes = Ellipsoids(np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3)))
+        activity = np.zeros(len(hand.muscles)) if contraction is None else np.asarray(contraction, dtype=np.float64)
+        place(network.muscles, transforms, activity, shapes)
+    swelling = soft.swelling + GAIN * (network.volume - soft.volume) / network.compliance
+    swelling = min(max(swelling, SWELLING[0]), SWELLING[1])
+    after = anchors(network, transforms, shapes, swelling=swelling)
+    position, velocity = advance(network, soft, after, dt)
+    faults = limited(hand, network, position, after.turn, transforms)
+    normal = np.empty_like(position)
+    volume = kernel.volume_and_area(position, network.faces, normal)
+    return SoftSkin(position, velocity, after.centre, normal, swelling, volume, faults)
+
+
+def blended(hand: Hand, network: Network, transforms: Array) -> SoftSkin:
+    """The skin as ``simulation.skin.blend`` has it, as a state from which springs can go on."""
+    from handlab.simulation.skin import blend_into
+
+    points = np.empty_like(network.points)
+    blend_into(hand, transforms, points)
+    position, normal = np.ascontiguousarray(points.T), np.empty((3, len(points)))
+    volume = kernel.volume_and_area(position, network.faces, normal)
+    return SoftSkin(position, np.zeros_like(position), anchors(network, transforms).centre, normal, 0.0, volume)
+
+
+class Frame(NamedTuple):
+    """The whole hand at one moment: moving coordinates ``y`` and ``speed`` (moving,), and the skin."""
+
+    y: Array
+    speed: Array
+    soft: SoftSkin
+
+
+def frame(
+    hand: Hand,
+    network: Network,
+    before: Frame,
+    contraction: ArrayLike,
+    dt: float,
+    *,
+    skin: str = SKINS[2],
+    laws: Laws = SOUND,
+    hold: tuple[str, ...] = (),
+) -> Frame:
+    """The whole hand ``dt`` seconds later: skeleton, then muscles, anchors, skin, normals, as in section 3.1."""
+    values = contraction_of(hand, contraction)
+    steps = substeps_of(dt, laws)
+    y, speed = integrate(hand, before.y, before.speed, np.tile(values, (steps, 1)), dt / steps, held_coordinates(hand, hold), laws)
+    return Frame(y[-1], speed[-1], follow(hand, network, before.soft, coupled(hand, y[-1]), values, dt, skin=skin))
+
+
+def first_frame(hand: Hand, network: Network, *, skin: Skin = SKINS[2]) -> Frame:
+    """The relaxed hand, at rest."""
+    y = mechanics(hand).rest_y
+    return Frame(np.array(y), np.zeros(len(y)), begin(hand, network, coupled(hand, y), skin=skin))
+
+
+def skins(clip: Clip, network: Network, *, skin: Skin = SKINS[2]) -> Iterator[SoftSkin]:
+    """The skin in every frame of a clip, one after the other; the first at rest."""
+    hand = clip.hand
+    soft = begin(hand, network, clip.angle[0], clip.contraction[0], skin=skin)
+    yield soft
+    for k in range(1, len(clip)):
+        soft = follow(hand, network, soft, clip.angle[k], clip.contraction[k], float(clip.time[k] - clip.time[k - 1]), skin=skin)
+        yield soft

@@ -1,0 +1,242 @@
+"""The skin as masses and springs: a network built once per hand, and its state (sections 3.1 and 4.2, after Kähler, Haber, Seidel 2001).
+
+A node per vertex of the even skin, a spring per edge, and per node a mirrored pair of springs to what lies below: bone, or the surface of
+a geometric muscle. Everything is in physical units; constants marked *assumption* have no source for this hand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.physics.distance import closest
+from handlab.physics.springs import (
+    column_stiffness,
+    largest_frequency,
+    membrane_stiffness,
+    mirrored_pair,
+    spring_force,
+    spring_tensor,
+    stiffness_matrix,
+    substeps,
+)
+from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
+from handlab.simulation.per_hand import per_hand
+from handlab.simulation.skin import packed
+from handlab.simulation.soft_ties import Ties, ties_of
+from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, node_areas
+
+YOUNG = 100e3  # Pa, skin in tension: the order of most measurements in vivo
+TISSUE = 15e3  # Pa, fat and loose tissue below the skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
+THICKNESS = 0.0015  # m, epidermis and dermis, between the back of the hand (about 1) and the palm (about 2): assumption
+DENSITY = 1100.0  # kg/m^3
+PRESTRETCH = 0.03  # skin of the resting hand is taut by this much (cut skin gapes): assumption, at the low end
+SLACK = 0.02  # share of its stiffness that skin has when pressed along its surface, because it wrinkles: assumption
+PAIR_REST = 2.0 / 3.0  # rest length of the mirrored pair over its arm: stiffness across is then E / 3, as in incompressible tissue
+DAMPING = 600.0  # 1/s: the slowest parts of the skin come to rest within a frame: assumption
+SHALLOWEST = 0.0015  # m: columns of tissue are not taken to be shorter; springs of the thinnest would set the step for all
+SMOOTHING = 1.0  # how far weights of deep nodes spread, against ``SMOOTHING_DEPTH``; see ``anchor_weights``
+SMOOTHING_DEPTH = 0.004  # m
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Masses and springs of one hand, in the bind posture: n nodes, e edges; arrays of the kernels are (3, n).
+
+    ``first``, ``second`` (e,) nodes of each edge, ``stiffness`` (e,) N/m, ``rest`` (e,) m; ``mass`` (n,) kg. Per node: ``points`` (n, 3),
+    ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the anchor, ``hold`` (n,) N/m of one of the two
+    springs, ``depth`` (n,) m of the tissue column; all three move with the blend of bodies ``index``, ``weight`` (n, 4).
+    ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
+    """
+
+    points: Array
+    faces: Index
+    first: Index
+    second: Index
+    stiffness: Array
+    rest: Array
+    slack: float
+    mass: Array
+    inverse_mass: Array
+    centre: Array
+    arm: Array
+    hold: Array
+    depth: Array
+    index: Index
+    weight: Array
+    damping: float
+    frequency: float
+    volume: float
+    compliance: float
+    corner: Array
+    longest: Array
+    ties: Ties
+    muscles: GeometricMuscles | None
+    young: float
+    tissue: float
+
+    def substeps(self, dt: float) -> int:
+        """Leapfrog steps in ``dt`` seconds: from the largest eigenvalue, never from trial."""
+        return substeps(dt, self.frequency)
+
+    @property
+    def anchors(self) -> Array:
+        """Where the nodes are tied below the skin (n, 3), in the bind posture."""
+        result: Array = self.centre - self.arm
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class SoftSkin:
+    """The skin at one moment; a step returns another one.
+
+    ``position`` (3, n) m; ``velocity`` (3, n) m/s, half a step behind; ``centre`` (3, n) of the mirrored pairs; ``normal`` (3, n);
+    ``swelling``: relative stretch of all tissue columns that keeps the volume; ``volume`` m^3; ``faults``: triangles still inverted.
+    """
+
+    position: Array
+    velocity: Array
+    centre: Array
+    normal: Array
+    swelling: float
+    volume: float
+    faults: int = 0
+
+    @property
+    def points(self) -> Array:
+        """Skin points (n, 3)."""
+        return frozen(self.position.T)
+
+
+@per_hand
+def _built(hand: Hand) -> dict[tuple[float, ...], Network]:
+    return {}
+
+
+def soft_skin(
+    hand: Hand,
+    young: float = YOUNG,
+    *,
+    tissue: float = TISSUE,
+    thickness: float = THICKNESS,
+    slack: float = SLACK,
+    prestretch: float = PRESTRETCH,
+    damping: float = DAMPING,
+    muscles: GeometricMuscles | None = None,
+) -> Network:
+    """The network of a hand, built once for every set of constants.
+
+    ``young`` Pa of the skin, ``tissue`` Pa of what is below it, ``thickness`` m of the skin; ``slack`` and ``prestretch`` as in the
+    constants above; ``muscles``: others than the shipped ones, such as painted ones. Raises ``ValueError`` for numbers that make no net.
+    """
+    numbers = {"young": young, "tissue": tissue, "thickness": thickness, "slack": slack, "prestretch": prestretch, "damping": damping}
+    for name, value in numbers.items():
+        low = 0.0 if name in ("slack", "prestretch", "damping") else 1e-9
+        if not isfinite(value) or value < low:
+            raise ValueError(f"{name} is {value:g}; give a number that is {'not negative' if low == 0.0 else 'positive'}")
+    if muscles is not None:
+        return _network(hand, muscles, **numbers)
+    kept, key = _built(hand), tuple(numbers.values())
+    if key not in kept:
+        kept[key] = _network(hand, geometric_muscles(hand), **numbers)
+    return kept[key]
+
+
+def anchor_weights(hand: Hand, edges: Index, depth: Array) -> tuple[Index, Array]:
+    """Blend weights (n, 4) by which anchors move: those of the skin, evened out where bone is far.
+
+    An anchor on one bone alone would tear the net at every joint, so anchors move with the dual-quaternion blend. The skin's own weights
+    change within one edge between two fingers; there, bone is far and nothing holds the skin to one finger, so weights spread:
+    c (w - w0) = L w with the pull c = (depth0 / depth)^2 and the cotangent-like Laplacian of the edges.
+    """
+    pull = (SMOOTHING_DEPTH / np.maximum(depth, 0.001)) ** 2
+    return packed(diffused(hand.skin, edges, hand.skin.weights, pull / SMOOTHING))
+
+
+def bone_below(hand: Hand) -> tuple[Array, Array]:
+    """Nearest place on bone (n, 3) of every skin point, and its distance (n,) m."""
+    corners = np.concatenate([bone.points[bone.faces] for bone in hand.bones.values()])
+    distance, _, place = closest(hand.skin.points, np.ascontiguousarray(corners))
+    return place, distance
+
+
+def _network(
+    hand: Hand,
+    muscles: GeometricMuscles,
+    *,
+    young: float,
+    tissue: float,
+    thickness: float,
+    slack: float,
+    prestretch: float,
+    damping: float,
+) -> Network:
+    skin = hand.skin
+    points, edges = skin.points, edges_of(skin)
+    way = points[edges[:, 1]] - points[edges[:, 0]]
+    length, area = np.linalg.norm(way, axis=1), node_areas(skin)
+    stiffness = membrane_stiffness(young, thickness, edge_areas(skin, edges), length)
+    rest, mass = length / (1.0 + prestretch), area * thickness * DENSITY
+    place, distance = bone_below(hand)
+    ties, cover, foot = ties_of(skin, muscles, distance)
+    below = place + cover[:, None] * (foot - place)
+    arm = points - below
+    depth = np.linalg.norm(arm, axis=1)
+    arm *= (np.maximum(depth, SHALLOWEST) / depth)[:, None]
+    depth = np.maximum(depth, SHALLOWEST)
+    hold = column_stiffness(tissue, area, depth) / 2.0
+    pull = spring_force(points[edges[:, 0]], points[edges[:, 1]], stiffness, rest)
+    taut = np.zeros_like(points)
+    np.add.at(taut, edges[:, 0], pull)
+    np.add.at(taut, edges[:, 1], -pull)
+    centre = balanced(points, arm, hold, taut)
+    index, weight = anchor_weights(hand, edges, distance)
+    grounded = pair_tensor(points - centre, arm, hold)
+    frequency = largest_frequency(stiffness_matrix(len(points), edges, spring_tensor(way, stiffness, rest), grounded), mass)
+    middle = points[skin.faces].mean(axis=1, keepdims=True)
+    return Network(
+        points=frozen(points),
+        faces=frozen(skin.faces, np.uint32),
+        first=frozen(edges[:, 0], np.uint32),
+        second=frozen(edges[:, 1], np.uint32),
+        stiffness=frozen(stiffness),
+        rest=frozen(rest),
+        slack=slack,
+        mass=frozen(mass),
+        inverse_mass=frozen(1.0 / mass),
+        centre=frozen(centre),
+        arm=frozen(arm),
+        hold=frozen(hold),
+        depth=frozen(depth),
+        index=index,
+        weight=weight,
+        damping=damping,
+        frequency=frequency,
+        volume=skin.volume,
+        compliance=float(area @ depth),
+        corner=frozen((points[skin.faces] - middle).reshape(-1, 9)),
+        longest=frozen(length),
+        ties=ties,
+        muscles=muscles,
+        young=young,
+        tissue=tissue,
+    )
+
+
+def pair_tensor(offset: Array, arm: Array, hold: Array) -> Array:
+    """Stiffness tensors (n, 3, 3) of mirrored pairs with the node at ``offset`` (n, 3) from their centre."""
+    rest = PAIR_REST * np.linalg.norm(arm, axis=1)
+    return spring_tensor(arm + offset, hold, rest) + spring_tensor(arm - offset, hold, rest)
+
+
+def balanced(points: Array, arm: Array, hold: Array, load: Array) -> Array:
+    """Centres (n, 3) of the mirrored pairs with which nodes at ``points`` rest under ``load`` (n, 3) N: the pull of taut skin."""
+    rest = PAIR_REST * np.linalg.norm(arm, axis=1)
+    centre = points.copy()
+    for _ in range(20):  # Newton, column by column
+        left = load + mirrored_pair(points, centre, arm, hold, rest)
+        centre -= np.linalg.solve(pair_tensor(points - centre, arm, hold), left[:, :, None])[:, :, 0]
+    return centre
