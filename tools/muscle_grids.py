@@ -201,7 +201,7 @@ def report(hand: Hand, plan: Plan, grid: MuscleGrid) -> str:
     fitted = fit(hand, grid)
     share = np.linspace(0.0, 1.0, plan.columns)[:, None]
     wanted = np.array([(1.0 - share) * row.one + share * row.other for row in plan.rows])
-    off = 1e3 * np.linalg.norm(fitted.point - wanted, axis=2)
+    off = 1e3 * np.linalg.norm(fitted.point - (wanted[:, 1:] + wanted[:, :-1]) / 2, axis=2)
     thick = 1e3 * fitted.thickness.max()
     return f"{grid.name:36} off {off.mean():4.1f}, worst {off.max():4.1f} mm; thick {thick:4.1f} mm; skin distance {1e3 * grid.skin_distance.min():.1f} to {1e3 * grid.skin_distance.max():.1f} mm"
 

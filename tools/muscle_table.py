@@ -63,7 +63,7 @@ def thenar(at: Places) -> list[Plan]:
     return [
         Plan("abductor_pollicis_brevis", "abductor_pollicis_brevis", resampled(abductor, 7), 3),
         Plan("flexor_pollicis_brevis", "flexor_pollicis_brevis", resampled(flexor, 7), 3),
-        Plan("opponens_pollicis", "opponens_pollicis", resampled(opponens, 6), 4),
+        Plan("opponens_pollicis", "opponens_pollicis", resampled(opponens, 6), 5),
         Plan("adductor_pollicis_oblique", "adductor_pollicis", resampled(oblique, 7), 3),
         Plan("adductor_pollicis_transverse", "adductor_pollicis", resampled(transverse, 7), 5),
     ]
@@ -96,7 +96,7 @@ def hypothenar(at: Places) -> list[Plan]:
     return [
         Plan("abductor_digiti_minimi", "abductor_digiti_minimi", resampled(abductor, 7), 3),
         Plan("flexor_digiti_minimi_brevis", "flexor_digiti_minimi_brevis", resampled(flexor, 7), 3),
-        Plan("opponens_digiti_minimi", "opponens_digiti_minimi", resampled(opponens, 6), 4),
+        Plan("opponens_digiti_minimi", "opponens_digiti_minimi", resampled(opponens, 6), 5),
     ]
 
 
@@ -151,14 +151,10 @@ def interossei(at: Places) -> list[Plan]:
         own = f"metacarpal_{finger}"
         both = {one: 0.5, other: 0.5}
         rows = []
-        for along, thick, trim in ((0.2, 3.0, 0.3), (0.4, 6.0, 0.5), (0.6, 6.0, 0.8), (0.78, 4.0, 1.4)):
-            left, right = at.on(one, along, 0.1, -1, trim), at.on(other, along, 0.1, 1, trim)
-            if along > 0.7:  # the belly draws to its own finger
-                edge = at.on(own, along, -0.1, way, 0.5)
-                left, right = (right - 0.004 * way * at.frame(own).radial * -1 if way < 0 else left, right)
-                mid = edge + 0.0022 * way * at.frame(own).radial
-                left, right = across(mid, -at.frame(own).radial, 4.0)
-            rows.append(_row(left, right, thick, both if along < 0.7 else own, BACK))
+        for along, thick, trim in ((0.22, 3.0, 0.4), (0.4, 6.0, 0.7), (0.58, 6.0, 1.0)):
+            rows.append(_row(at.on(one, along, 0.1, -1, trim), at.on(other, along, 0.1, 1, trim), thick, both, BACK))
+        side = at.frame(own).radial
+        rows.append(_row(*across(at.on(own, 0.76, 0.15, way, 2.4), -side, 3.6), 4.0, own, BACK))
         for bone, along, side, lift, thick in ((own, 0.95, (0.0, way), 1.6, 2.0), (p, 0.12, (0.0, way), 0.7, 1.3)):
             frame = at.frame(bone)
             mid = at.on(bone, along, *side, lift)

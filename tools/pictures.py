@@ -29,7 +29,18 @@ def main() -> None:
     hl.sheet(hand, {"relaxed": fist.states[0], **{k: held[k] for k in ("open", "fist")}}, FOLDER / "bones.png", skin=["hidden"])
     hl.save(hl.curves(fist, muscles=["FDP2", "FDS2", "EDC2", "LUM1"], joints=["mcp2", "pip2", "dip2"]), FOLDER / "curves.png")
     hl.save(hl.lever_arm_map(hand), FOLDER / "lever_arms.png")
-    hl.save(hl.force_length(hand, fist.states[-1]), FOLDER / "force_length.png")
+    flat = hl.pose(hand, dict.fromkeys(hand.moving_names, 0.0))
+    hl.save(hl.force_length(hand, {"flat hand": flat, "fist": fist.states[-1]}), FOLDER / "force_length.png")
+    for name, figure in {
+        "brand": hl.brand_plot(hand),
+        "pull_map": hl.pull_map(hand),
+        "excursion": hl.excursion_plot(hand),
+        "torque_balance": hl.torque_balance(fist, "mcp2"),
+        "wrist": hl.wrist_plot(hand),
+        "step": hl.step_plot(hand),
+        "wrist_inertia": hl.wrist_inertia(hand),
+    }.items():
+        hl.save(figure, FOLDER / f"{name}.png")
     live_view()
 
 

@@ -15,7 +15,7 @@ from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
 from handlab.simulation.per_hand import per_hand
 
 SPACING = 0.00125  # metres between grid points
-REACH = 0.003  # the field is cut off at this distance
+REACH = 0.003  # outside bone the field is cut off at this distance; inside it goes to the middle, so that every point finds its way out
 SAMPLE = 0.0007  # metres between the points that stand for a surface while the grid is built
 
 
@@ -55,7 +55,8 @@ def _grid(bones: list[Mesh]) -> tuple[Array, Array]:
     low = place.min(axis=0) - REACH
     count = np.ceil((place.max(axis=0) + REACH - low) / SPACING).astype(int) + 1
     points = low + SPACING * np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1)
-    distance, nearest = cKDTree(place).query(points.reshape(-1, 3), distance_upper_bound=REACH)
+    tree = cKDTree(place)
+    distance, nearest = tree.query(points.reshape(-1, 3), distance_upper_bound=REACH)
     known = np.flatnonzero(np.isfinite(distance))
     away = points.reshape(-1, 3)[known] - place[nearest[known]]
     # Near a sample its tangent plane is a better surface than the sample itself.
@@ -68,7 +69,7 @@ def _grid(bones: list[Mesh]) -> tuple[Array, Array]:
     part, _ = label(far)
     inside = far & (part != part[0, 0, 0])
     grid = field.reshape(count)
-    grid[inside] = -REACH
+    grid[inside] = -tree.query(points[inside])[0]
     return grid, low
 
 

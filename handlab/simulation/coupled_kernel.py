@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from handlab.simulation.mechanics import Mechanics
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+Unsigned = NDArray[np.uint32]
 Flags = NDArray[np.bool_]
 
 ROUNDS = 4  # over all coordinates that run into a hard stop in one substep; each round uses the last one's speeds
@@ -144,7 +144,7 @@ def mass_and_bias(y: Array, speed: Array, gravity: Array, m: Mechanics, room: Wo
 
 
 @compiled
-def factor(a: Array, ancestor_start: Index, ancestor: Index) -> None:
+def factor(a: Array, ancestor_start: Unsigned, ancestor: Unsigned) -> None:
     """A = L' D L in the lower half of ``a`` (k, k), from the last coordinate to the first: nothing is filled in."""
     for k in range(a.shape[0] - 1, -1, -1):
         for p in range(ancestor_start[k], ancestor_start[k + 1]):
@@ -157,7 +157,7 @@ def factor(a: Array, ancestor_start: Index, ancestor: Index) -> None:
 
 
 @compiled
-def solve(a: Array, ancestor_start: Index, ancestor: Index, x: Array) -> None:
+def solve(a: Array, ancestor_start: Unsigned, ancestor: Unsigned, x: Array) -> None:
     """Solve A x = b in place with the factors of ``factor``."""
     for k in range(x.shape[0] - 1, -1, -1):
         for p in range(ancestor_start[k], ancestor_start[k + 1]):
@@ -170,7 +170,7 @@ def solve(a: Array, ancestor_start: Index, ancestor: Index, x: Array) -> None:
 
 @compiled
 def hold_stops(
-    y: Array, speed: Array, dt: float, stop: Array, held: Flags, a: Array, ancestor_start: Index, ancestor: Index, column: Array
+    y: Array, speed: Array, dt: float, stop: Array, held: Flags, a: Array, ancestor_start: Unsigned, ancestor: Unsigned, column: Array
 ) -> None:
     """Impulses at the hard stops: what would pass one in this substep ends at it, and its neighbours feel that.
 
@@ -235,14 +235,13 @@ def advance_coupled(
             speed[k] += change[k]
         hold_stops(y, speed, dt, stop, held, mass, ancestor_start, ancestor, change)
         for k in range(moving):
-            if held[k]:
-                continue
-            y[k] += dt * speed[k]
-            if y[k] < stop[k, 0]:
-                y[k] = stop[k, 0]
-                speed[k] = max(0.0, speed[k])
-            elif y[k] > stop[k, 1]:
-                y[k] = stop[k, 1]
-                speed[k] = min(0.0, speed[k])
-        path_y[n + 1] = y
-        path_speed[n + 1] = speed
+            if not held[k]:
+                y[k] += dt * speed[k]
+                if y[k] < stop[k, 0]:
+                    y[k] = stop[k, 0]
+                    speed[k] = max(0.0, speed[k])
+                elif y[k] > stop[k, 1]:
+                    y[k] = stop[k, 1]
+                    speed[k] = min(0.0, speed[k])
+            path_y[n + 1, k] = y[k]
+            path_speed[n + 1, k] = speed[k]

@@ -72,21 +72,20 @@ def advance_decoupled(
         for k in range(moving):
             if held[k]:
                 speed[k] = 0.0
-                continue
-            rate = dt / inertia[k]
-            if friction == IMPLICIT:
-                speed[k] = (speed[k] + rate * torque[k]) / (1.0 + rate * (drag[k] + dt * slope[k]))
-            elif friction == EXPLICIT:
-                speed[k] += rate * (torque[k] - drag[k] * speed[k])
             else:
-                left = abs(torque[k]) - drag[k] * abs(speed[k])
-                speed[k] += rate * (left if torque[k] > 0.0 else (-left if torque[k] < 0.0 else 0.0))
-            y[k] += dt * speed[k]
-            if y[k] < stop[k, 0]:
-                y[k] = stop[k, 0]
-                speed[k] = max(0.0, speed[k])
-            elif y[k] > stop[k, 1]:
-                y[k] = stop[k, 1]
-                speed[k] = min(0.0, speed[k])
-        path_y[n + 1] = y
-        path_speed[n + 1] = speed
+                if friction == IMPLICIT:
+                    speed[k] = (inertia[k] * speed[k] + dt * torque[k]) / (inertia[k] + dt * (drag[k] + dt * slope[k]))
+                elif friction == EXPLICIT:
+                    speed[k] += dt / inertia[k] * (torque[k] - drag[k] * speed[k])
+                else:
+                    left = abs(torque[k]) - drag[k] * abs(speed[k])
+                    speed[k] += dt / inertia[k] * (left if torque[k] > 0.0 else (-left if torque[k] < 0.0 else 0.0))
+                y[k] += dt * speed[k]
+                if y[k] < stop[k, 0]:
+                    y[k] = stop[k, 0]
+                    speed[k] = max(0.0, speed[k])
+                elif y[k] > stop[k, 1]:
+                    y[k] = stop[k, 1]
+                    speed[k] = min(0.0, speed[k])
+            path_y[n + 1, k] = y[k]
+            path_speed[n + 1, k] = speed[k]

@@ -141,6 +141,8 @@ def shape_into(
                 else:
                     wide = tall = math.sqrt(area)
             c_half = min(max(height[e] * tall, low[e]), high[e])
+            if not recalled:  # what the height may not take the width takes: the volume stays at the bounds too
+                wide *= height[e] * tall / c_half
             # It rests on what is below it: all it gains shows on the side of the skin.
             lift = c_half - height[e]
             centre[e, 0] = 0.5 * (ax + bx) + lift * zx
@@ -185,3 +187,16 @@ def first_hit(origin: Array, direction: Array, corners: Array) -> tuple[Array, I
                 distance[i] = far
                 triangle[i] = t
     return distance, triangle
+
+
+@compiled
+def volume_of(points: Array, faces: Index) -> float:
+    """Volume inside a closed mesh: ``points`` (N, 3), ``faces`` (M, 3)."""
+    total = 0.0
+    for f in range(faces.shape[0]):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        ax, ay, az = points[i, 0], points[i, 1], points[i, 2]
+        bx, by, bz = points[j, 0], points[j, 1], points[j, 2]
+        cx, cy, cz = points[k, 0], points[k, 1], points[k, 2]
+        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return total / 6.0

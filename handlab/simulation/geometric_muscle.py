@@ -17,7 +17,7 @@ from handlab.anatomy.grids import MuscleGrid, load_grids
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.anatomy.terms import find
 from handlab.physics.bulge import FREE_SHORTENING, SHORTENING, TRANSFER, Law, bell
-from handlab.simulation.geometric_kernel import LONGEST, Chains, shape_into
+from handlab.simulation.geometric_kernel import Chains, shape_into
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.muscle_fit import Fitted as Fitted
 from handlab.simulation.muscle_fit import fit as fit
@@ -43,14 +43,14 @@ class Ellipsoids(NamedTuple):
 class GeometricMuscles:
     """All geometric muscles of one hand.
 
-    ``names``; ``drives``: pseudo muscles of each; ``segments``: slice of the ellipsoids of each; ``columns``: its fibres;
+    ``names``; ``drives``: pseudo muscles of each; ``segments``: slice of the ellipsoids of each; ``fibres``: how many each has;
     ``owner`` (s,): muscle of every ellipsoid; ``chains``: what the kernel needs; ``rest``: the ellipsoids in the bind posture.
     """
 
     names: tuple[str, ...]
     drives: tuple[tuple[str, ...], ...]
     segments: tuple[slice, ...]
-    columns: tuple[int, ...]
+    fibres: tuple[int, ...]
     owner: Array
     chains: Chains
     fitted: tuple[Fitted, ...]
@@ -80,9 +80,9 @@ def muscles_of(hand: Hand, grids: Iterable[MuscleGrid]) -> GeometricMuscles:
     column: dict[str, list[Array]] = {key: [] for key in Chains._fields}
     segments, node, segment = [], 0, 0
     for g, one in enumerate(fitted):
-        rows, columns = one.thickness.shape
+        rows, fibres = one.thickness.shape
         begin = segment
-        for k in range(columns - 1):
+        for k in range(fibres):
             for key, values in _fibre(hand, one, k).items():
                 column[key].append(values)
             column["first_node"].append(np.array([node]))
@@ -101,9 +101,9 @@ def muscles_of(hand: Hand, grids: Iterable[MuscleGrid]) -> GeometricMuscles:
     owner = np.concatenate([np.full(part.stop - part.start, g) for g, part in enumerate(segments)])
     still = Ellipsoids(np.empty((segment, 3)), np.empty((segment, 3, 3)), np.empty((segment, 3)))
     _fill(chains, relative_transforms(hand, hand.bind), np.zeros(len(hand.muscles)), "volume", still)
-    columns = tuple(one.thickness.shape[1] - 1 for one in fitted)
+    fibres_of = tuple(one.thickness.shape[1] for one in fitted)
     rest = Ellipsoids(*(frozen(values) for values in still))
-    return GeometricMuscles(names, drives, tuple(segments), columns, frozen(owner, np.int64), chains, fitted, rest)
+    return GeometricMuscles(names, drives, tuple(segments), fibres_of, frozen(owner, np.int64), chains, fitted, rest)
 
 
 def find_muscle(hand: Hand, name: str) -> str:
@@ -113,23 +113,13 @@ def find_muscle(hand: Hand, name: str) -> str:
 
 
 def _fibre(hand: Hand, one: Fitted, k: int) -> dict[str, Array]:
-    """The fibre between columns k and k + 1 of a fitted muscle."""
-    rows, columns = one.thickness.shape
-    if rows > LONGEST:
-        raise ValueError(f"the muscle {one.grid.name!r} has {rows} rows; the longest fibre has {LONGEST}")
-    point = one.point[:, k : k + 2].mean(axis=1)
-    outward = one.outward[:, k : k + 2].mean(axis=1)
-    outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
+    """Fibre ``k`` of a fitted muscle."""
+    rows, fibres = one.thickness.shape
+    point, outward = one.point[:, k], one.outward[:, k]
     length = np.linalg.norm(np.diff(point, axis=0), axis=1)
     if length.min() < 1e-4:
         raise ValueError(f"the muscle {one.grid.name!r} collapses below the skin; paint its rows further apart")
-    # Width across the fibre: what columns gain along it (a slanting row) is not width.
-    across = one.point[:, k + 1] - one.point[:, k]
-    tangent = np.gradient(point, axis=0)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    across = across - np.einsum("ij,ij->i", across, tangent)[:, None] * tangent
-    wide = np.maximum(np.linalg.norm(across, axis=1), one.grid.thickness[0]) * (OVERLAP_ACROSS if columns > 2 else 1.0)
-    thick = one.thickness[:, k : k + 2].mean(axis=1)
+    wide, thick = one.width[:, k] * (OVERLAP_ACROSS if fibres > 1 else 1.0), one.thickness[:, k]
     width, height = (wide[1:] + wide[:-1]) / 4, (thick[1:] + thick[:-1]) / 4
     weight, volume = bell(length), length * width * height
     body, share = np.zeros((rows, 2)), np.zeros((rows, 2))

@@ -45,6 +45,10 @@ def tree(hand: Hand) -> Tree:
     column = {name: k for k, name in enumerate(hand.dof_names)}
     parent, first, count = [], [], []
     for name, body in hand.bodies.items():
+        if body.parent is not None and body.parent not in row:
+            raise ValueError(f"body {name!r} hangs on {body.parent!r}, but there is no body {body.parent!r}")
+        if body.joint is not None and body.joint not in hand.joints:
+            raise ValueError(f"body {name!r} turns in {body.joint!r}, but there is no joint {body.joint!r}")
         above = -1 if body.parent is None else row[body.parent]
         if above >= row[name]:
             raise ValueError(f"body {name!r} comes before its parent {body.parent!r}; list parents first")

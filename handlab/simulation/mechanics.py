@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.physics.ligament import TAUT_AT
@@ -14,6 +14,10 @@ from handlab.physics.rotation import fibre_length
 from handlab.simulation.kinematics import transforms, tree
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skeleton_kernel import dof_inertia
+
+
+# Without a sign: compiled loops need not ask whether an index counts from the end.
+Unsigned = NDArray[np.uint32]
 
 
 class Mechanics(NamedTuple):
@@ -40,15 +44,15 @@ class Mechanics(NamedTuple):
     mass: Array
     centre: Array
     inertia: Array
-    driver: Index
+    driver: Unsigned
     ratio: Array
     offset: Array
     moving: Index
-    ancestor_start: Index
-    ancestor: Index
+    ancestor_start: Unsigned
+    ancestor: Unsigned
     arm: Array
-    arm_start: Index
-    arm_column: Index
+    arm_start: Unsigned
+    arm_column: Unsigned
     arm_value: Array
     length_at_zero: Array
     rest_length: Array
@@ -93,15 +97,15 @@ def mechanics(hand: Hand) -> Mechanics:
         mass=frozen([body.mass for body in bodies]),
         centre=frozen(np.einsum("bij,bj->bi", turn, np.array([body.centre for body in bodies])) + shift),
         inertia=frozen(turn @ inertia @ np.transpose(turn, (0, 2, 1))),
-        driver=frozen(driver, np.int64),
+        driver=frozen(driver, np.uint32),
         ratio=frozen(coupling[np.arange(len(coupling)), driver]),
         offset=hand.coupling_offset,
         moving=moving,
         ancestor_start=start,
         ancestor=ancestor,
         arm=frozen(arm),
-        arm_start=frozen(np.searchsorted(muscle, np.arange(len(arm) + 1)), np.int64),
-        arm_column=frozen(column, np.int64),
+        arm_start=frozen(np.searchsorted(muscle, np.arange(len(arm) + 1)), np.uint32),
+        arm_column=frozen(column, np.uint32),
         arm_value=frozen(arm[muscle, column]),
         length_at_zero=frozen(hand.rest_length + arm @ rest_y),
         rest_length=hand.rest_length,
@@ -123,7 +127,7 @@ def mechanics(hand: Hand) -> Mechanics:
     )
 
 
-def ancestors(hand: Hand, driver: Index, coupling: Array) -> tuple[Index, Index]:
+def ancestors(hand: Hand, driver: Index, coupling: Array) -> tuple[Unsigned, Unsigned]:
     """Where the mass matrix is not 0 left of its diagonal, row by row from right to left.
 
     Two coordinates act on each other if one moves a body on the way from a body that the other moves to the forearm. Elimination from
@@ -145,7 +149,7 @@ def ancestors(hand: Hand, driver: Index, coupling: Array) -> tuple[Index, Index]
         acts[np.ix_(before, before)] = True
     rows = [np.flatnonzero(acts[k, :k])[::-1] for k in range(count)]
     start = np.concatenate([[0], np.cumsum([len(row) for row in rows])])
-    return frozen(start, np.int64), frozen(np.concatenate(rows), np.int64)
+    return frozen(start, np.uint32), frozen(np.concatenate(rows), np.uint32)
 
 
 def moving_limits(hand: Hand) -> Array:

@@ -1,7 +1,8 @@
 """From a painted grid to a muscle between skin and bone (section 4.2; steps as worked out for the hand).
 
-At every point of the grid: normal inwards, d = way to the bone below (or to the far skin, less what lies under that), o = skin
-distance of the muscle, thickness h = clamp(d - o - gap, least, most), centre at depth o + h/2. Everything in the bind posture.
+Between every two columns runs a fibre. At each of its points: normal inwards, d = way to the bone below (or to the far skin, less
+what lies under that), o = skin distance of the muscle, thickness h = clamp(d - o - gap, least, most), centre at depth o + h/2, width
+from column to column at that depth unless bone beside it leaves less. Everything in the bind posture.
 """
 
 from __future__ import annotations
@@ -31,12 +32,16 @@ CROSSING = 0.002  # metres: lines of a grid nearer than this are looked at for c
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A muscle in the bind posture: ``point``, ``outward`` (rows, columns, 3), ``thickness``, ``depth`` d (rows, columns) metres."""
+    """A muscle in the bind posture: ``point``, ``outward`` (rows, fibres, 3); ``thickness``, ``width``, ``depth`` d (rows, fibres), metres.
+
+    ``painted`` (rows, columns, 3): the grid on the skin.
+    """
 
     grid: MuscleGrid
     point: Array
     outward: Array
     thickness: Array
+    width: Array
     depth: Array
     painted: Array
 
@@ -84,7 +89,11 @@ def fit(hand: Hand, grid: MuscleGrid) -> Fitted:
     outward = outward / np.maximum(np.linalg.norm(outward, axis=2, keepdims=True), 1e-9)
     _check_cut(hand, grid)
     _check_cells(grid, painted, outward)
-    depth = depth_below(hand, painted, outward)
+    middle, up = (painted[:, 1:] + painted[:, :-1]) / 2, outward[:, 1:] + outward[:, :-1]
+    skin = np.ascontiguousarray(hand.skin.points[hand.skin.faces])
+    over = closest(np.ascontiguousarray(middle.reshape(-1, 3)), skin)[2].reshape(middle.shape)  # a chord leaves a curved skin
+    up /= np.maximum(np.linalg.norm(up, axis=2, keepdims=True), 1e-9)
+    depth = depth_below(hand, over, up)
     least, most = grid.thickness
     offset = np.broadcast_to(grid.skin_distance[:, None], depth.shape)
     # Where bone is near, the muscle comes nearer to the skin before it would enter the bone.
@@ -92,11 +101,26 @@ def fit(hand: Hand, grid: MuscleGrid) -> Fitted:
     _check_room(grid, depth, offset)
     room = np.clip(depth - offset - GAP, least, max(least, REST_SHARE * most))
     thickness = least + np.asarray(grid.fullness)[:, None] * (room - least)
-    point = painted - (offset + thickness / 2)[..., None] * outward
+    point = over - (offset + thickness / 2)[..., None] * up
+    width = _width(hand, point, painted - (offset + thickness / 2).mean(axis=1)[:, None, None] * outward, least)
     for row, wanted in ((0, grid.on_bone[0]), (-1, grid.on_bone[1])):
         if wanted:
             point[row] = _to_bone(hand, grid, row, point[row], thickness[row])
-    return Fitted(grid, frozen(point), frozen(outward), frozen(thickness), frozen(depth), frozen(painted))
+    return Fitted(grid, *(frozen(values) for values in (point, up, thickness, width, depth, painted)))
+
+
+def _width(hand: Hand, point: Array, edges: Array, least: float) -> Array:
+    """Widths (rows, fibres) between ``edges`` (rows, columns, 3), across the fibres, and no wider than bone on either side allows."""
+    along = np.gradient(point, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-9)
+    across = edges[:, 1:] - edges[:, :-1]
+    across = across - np.einsum("rfd,rfd->rf", across, along)[..., None] * along  # what a slanting row gains along is no width
+    wide = np.linalg.norm(across, axis=2)
+    way = np.ascontiguousarray((across / np.maximum(wide, 1e-9)[..., None]).reshape(-1, 3))
+    start, bones = np.ascontiguousarray(point.reshape(-1, 3)), bone_corners(hand)
+    room = np.minimum(first_hit(start, way, bones)[0], first_hit(start, -way, bones)[0]).reshape(wide.shape)
+    result: Array = np.maximum(np.minimum(wide, 2.0 * room), least)
+    return result
 
 
 def depth_below(hand: Hand, points: Array, outward: Array) -> Array:
@@ -141,7 +165,7 @@ def _check_room(grid: MuscleGrid, depth: Array, offset: Array) -> None:
     if np.any(short):
         row, column = np.argwhere(short)[0]
         raise ValueError(
-            f"the muscle grid {grid.name!r} finds no room at row {row + 1}, column {column + 1}: bone lies {1e3 * depth[row, column]:.1f} mm "
+            f"the muscle grid {grid.name!r} finds no room at row {row + 1}, fibre {column + 1}: bone lies {1e3 * depth[row, column]:.1f} mm "
             f"below the skin, the least thickness is {1e3 * least:.1f} mm; make it thinner or paint it beside the bone"
         )
 

@@ -24,6 +24,7 @@ from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.skin import binding, blend_into
 from handlab.simulation.skeleton import contraction_of, integrate, held_coordinates, substeps_of
 from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
 
@@ -50,9 +51,9 @@ class Anchors(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """Which bones are looked up for which nodes: pairs of ``node``, ``body``, with the ``clearance`` in metres that is kept."""
+    """Which bones are looked up where: the middle of ``corner`` (p, 3) and the ``body`` (p,), with the ``clearance`` in metres that is kept."""
 
-    node: Index
+    corner: Index
     body: Index
     clearance: Array
 
@@ -107,13 +108,19 @@ def advance(network: Network, soft: SoftSkin, after: Anchors, dt: float, *, step
     return position, velocity
 
 
-def limited(hand: Hand, network: Network, position: Array, turn: Array, transforms: Array) -> int:
-    """Skin out of bone, no edge too long, no triangle inverted, in place; returns how many triangles stay inverted."""
-    pairs, field = guard(hand), bone_field(hand)
+def limited(hand: Hand, network: Network, position: Array, transforms: Array) -> int:
+    """Skin out of bone, no edge too long, no triangle inverted, in place; returns how many triangles stay inverted.
+
+    Inverted means against the rotation of the skin's own blend, not of the anchors'.
+    """
+    pairs, field, bound = guard(hand), bone_field(hand), binding(hand)
+    quaternion, turn = np.empty((len(transforms), 8)), np.empty((4, position.shape[1]))
+    skin_kernel.dual_quaternions(transforms, quaternion)
+    kernel.turned(quaternion, bound.index, bound.weight, turn)
     faults = 0
     for _ in range(ROUNDS):
-        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
         limits.out_of_bone(position, transforms, *pairs, *field)
+        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
         faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
         if not long and not faults:
             break
@@ -122,19 +129,22 @@ def limited(hand: Hand, network: Network, position: Array, turn: Array, transfor
 
 @per_hand
 def guard(hand: Hand) -> Guard:
-    """Nodes and the bodies whose bones they must stay out of: those that move them, and those that are near in the bind posture."""
+    """Nodes and triangles, and the bodies whose bones they must stay out of: what moves them, and what is near in the bind posture."""
     from scipy.spatial import cKDTree
 
-    points = hand.skin.points
-    node, body, clearance = [], [], []
+    points, faces = hand.skin.points, hand.skin.faces
+    places = np.concatenate([points, points[faces].mean(axis=1)])
+    corners = np.concatenate([np.repeat(np.arange(len(points))[:, None], 3, axis=1), faces])
+    weights = np.concatenate([hand.skin.weights, hand.skin.weights[faces].mean(axis=1)])
+    corner, body, clearance = [], [], []
     for b, name in enumerate(hand.body_names):
         bones = np.concatenate([bone.points[bone.faces].mean(axis=1) for bone in hand.bones.values() if bone.body == name])
-        near = cKDTree(bones).query(points)[0]
-        mine = np.flatnonzero((near < NEAR_BONE) | (hand.skin.weights[:, b] > 0.01))
-        node.append(mine)
+        near = cKDTree(bones).query(places)[0]
+        mine = np.flatnonzero((near < NEAR_BONE) | (weights[:, b] > 0.01))
+        corner.append(corners[mine])
         body.append(np.full(len(mine), b))
         clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
-    return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((node, np.uint32), (body, np.uint32), (clearance, np.float64))))
+    return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
 
 
 def begin(hand: Hand, network: Network, angle: ArrayLike, contraction: ArrayLike | None = None, *, skin: Skin = SKINS[2]) -> SoftSkin:
@@ -179,7 +189,7 @@ def follow(
     swelling = min(max(swelling, SWELLING[0]), SWELLING[1])
     after = anchors(network, transforms, shapes, swelling=swelling)
     position, velocity = advance(network, soft, after, dt)
-    faults = limited(hand, network, position, after.turn, transforms)
+    faults = limited(hand, network, position, transforms)
     normal = np.empty_like(position)
     volume = kernel.volume_and_area(position, network.faces, normal)
     return SoftSkin(position, velocity, after.centre, normal, swelling, volume, faults)
@@ -187,8 +197,6 @@ def follow(
 
 def blended(hand: Hand, network: Network, transforms: Array) -> SoftSkin:
     """The skin as ``simulation.skin.blend`` has it, as a state from which springs can go on."""
-    from handlab.simulation.skin import blend_into
-
     points = np.empty_like(network.points)
     blend_into(hand, transforms, points)
     position, normal = np.ascontiguousarray(points.T), np.empty((3, len(points)))

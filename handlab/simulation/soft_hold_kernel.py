@@ -92,7 +92,7 @@ def shorten(position: Array, first: Node, second: Node, longest: Array, passes: 
 def out_of_bone(
     position: Array,
     transform: Array,
-    node: Node,
+    corner: Node,
     body: Node,
     clearance: Array,
     value: Array,
@@ -101,16 +101,20 @@ def out_of_bone(
     origin: Array,
     spacing: float,
 ) -> int:
-    """Move nodes out of bone, in place; returns how many were too near.
+    """Move nodes and the middles of triangles out of bone, in place; returns how many were too near.
 
-    Pair p asks that ``node[p]`` stays ``clearance[p]`` metres outside the bones of ``body[p]``: the field of ``bone_field``, in the bind
-    posture, looked up where ``transform`` (b, 4, 4) carries the node back to.
+    Pair p asks that the middle of the nodes ``corner[p]`` (p, 3), three times the same for a node, stays ``clearance[p]`` metres outside
+    the bones of ``body[p]``: the field of ``bone_field``, in the bind posture, looked up where ``transform`` (b, 4, 4) carries it back to.
     """
     moved = 0
-    for p in range(node.shape[0]):
-        i, b = node[p], body[p]
+    third = 1.0 / 3.0
+    for p in range(corner.shape[0]):
+        i, j, k, b = corner[p, 0], corner[p, 1], corner[p, 2], body[p]
         t = transform[b]
-        x, y, z = position[0, i] - t[0, 3], position[1, i] - t[1, 3], position[2, i] - t[2, 3]
+        x, y, z = position[0, i], position[1, i], position[2, i]
+        if j != i:
+            x, y, z = third * (x + position[0, j] + position[0, k]), third * (y + position[1, j] + position[1, k]), third * (z + position[2, j] + position[2, k])
+        x, y, z = x - t[0, 3], y - t[1, 3], z - t[2, 3]
         u = (t[0, 0] * x + t[1, 0] * y + t[2, 0] * z - origin[b, 0]) / spacing
         v = (t[0, 1] * x + t[1, 1] * y + t[2, 1] * z - origin[b, 1]) / spacing
         w = (t[0, 2] * x + t[1, 2] * y + t[2, 2] * z - origin[b, 2]) / spacing
@@ -138,7 +142,13 @@ def out_of_bone(
             continue
         g = lack / math.sqrt(square)
         gu, gv, gw = g * gu, g * gv, g * gw
-        position[0, i] += t[0, 0] * gu + t[0, 1] * gv + t[0, 2] * gw
-        position[1, i] += t[1, 0] * gu + t[1, 1] * gv + t[1, 2] * gw
-        position[2, i] += t[2, 0] * gu + t[2, 1] * gv + t[2, 2] * gw
+        x, y, z = t[0, 0] * gu + t[0, 1] * gv + t[0, 2] * gw, t[1, 0] * gu + t[1, 1] * gv + t[1, 2] * gw, t[2, 0] * gu + t[2, 1] * gv + t[2, 2] * gw
+        position[0, i] += x
+        position[1, i] += y
+        position[2, i] += z
+        if j != i:
+            for v in (j, k):
+                position[0, v] += x
+                position[1, v] += y
+                position[2, v] += z
     return moved

@@ -40,6 +40,7 @@ DAMPING = 600.0  # 1/s: the slowest parts of the skin come to rest within a fram
 SHALLOWEST = 0.0015  # m: columns of tissue are not taken to be shorter; springs of the thinnest would set the step for all
 SMOOTHING = 1.0  # how far weights of deep nodes spread, against ``SMOOTHING_DEPTH``; see ``anchor_weights``
 SMOOTHING_DEPTH = 0.004  # m
+BELOW, BELOW_NEAR, BELOW_FAR = 0.8, 0.006, 0.012  # least weight of the bone below, up to which depth (m), and where it has faded: assumption
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,22 +146,32 @@ def soft_skin(
     return kept[key]
 
 
-def anchor_weights(hand: Hand, edges: Index, depth: Array) -> tuple[Index, Array]:
-    """Blend weights (n, 4) by which anchors move: those of the skin, evened out where bone is far.
+def anchor_weights(hand: Hand, edges: Index, depth: Array, nearest: Index) -> tuple[Index, Array]:
+    """Blend weights (n, 4) by which anchors move: those of the skin, with two changes.
 
-    An anchor on one bone alone would tear the net at every joint, so anchors move with the dual-quaternion blend. The skin's own weights
-    change within one edge between two fingers; there, bone is far and nothing holds the skin to one finger, so weights spread:
-    c (w - w0) = L w with the pull c = (depth0 / depth)^2 and the cotangent-like Laplacian of the edges.
+    An anchor on one bone alone would tear the net at every joint, so anchors move with the dual-quaternion blend. But the body whose bone
+    is ``nearest`` (n,) has at least the weight ``BELOW`` where it is near: tissue over the carpal bones is tied to them, though the skin's
+    own weights pass from forearm to thumb there. And weights spread where bone is far: the skin's own change within one edge between two
+    fingers, where nothing holds it to one of them. They solve c (w - w0) = L w with the pull c = (depth0 / depth)^2.
     """
+    wanted = hand.skin.weights.copy()
+    row = np.arange(len(wanted))
+    floor = BELOW * np.clip((BELOW_FAR - depth) / (BELOW_FAR - BELOW_NEAR), 0.0, 1.0)
+    own = wanted[row, nearest]
+    raised = np.maximum(own, floor)
+    wanted *= ((1.0 - raised) / np.maximum(1.0 - own, 1e-9))[:, None]
+    wanted[row, nearest] = raised
+    wanted /= wanted.sum(axis=1, keepdims=True)
     pull = (SMOOTHING_DEPTH / np.maximum(depth, 0.001)) ** 2
-    return packed(diffused(hand.skin, edges, hand.skin.weights, pull / SMOOTHING))
+    return packed(diffused(hand.skin, edges, wanted, pull / SMOOTHING))
 
 
-def bone_below(hand: Hand) -> tuple[Array, Array]:
-    """Nearest place on bone (n, 3) of every skin point, and its distance (n,) m."""
+def bone_below(hand: Hand) -> tuple[Array, Array, Index]:
+    """Nearest place on bone (n, 3) of every skin point, its distance (n,) m, and the body (n,) of that bone."""
     corners = np.concatenate([bone.points[bone.faces] for bone in hand.bones.values()])
-    distance, _, place = closest(hand.skin.points, np.ascontiguousarray(corners))
-    return place, distance
+    body = np.concatenate([np.full(len(bone.faces), hand.body_names.index(bone.body)) for bone in hand.bones.values()])
+    distance, triangle, place = closest(hand.skin.points, np.ascontiguousarray(corners))
+    return place, distance, body[triangle]
 
 
 def _network(
@@ -180,7 +191,7 @@ def _network(
     length, area = np.linalg.norm(way, axis=1), node_areas(skin)
     stiffness = membrane_stiffness(young, thickness, edge_areas(skin, edges), length)
     rest, mass = length / (1.0 + prestretch), area * thickness * DENSITY
-    place, distance = bone_below(hand)
+    place, distance, nearest = bone_below(hand)
     ties, cover, foot = ties_of(skin, muscles, distance)
     below = place + cover[:, None] * (foot - place)
     arm = points - below
@@ -193,7 +204,7 @@ def _network(
     np.add.at(taut, edges[:, 0], pull)
     np.add.at(taut, edges[:, 1], -pull)
     centre = balanced(points, arm, hold, taut)
-    index, weight = anchor_weights(hand, edges, distance)
+    index, weight = anchor_weights(hand, edges, distance, nearest)
     grounded = pair_tensor(points - centre, arm, hold)
     frequency = largest_frequency(stiffness_matrix(len(points), edges, spring_tensor(way, stiffness, rest), grounded), mass)
     middle = points[skin.faces].mean(axis=1, keepdims=True)

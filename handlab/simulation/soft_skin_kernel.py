@@ -121,6 +121,28 @@ def carried(quaternion: Array, index: Node, weight: Array, points: Array, arms: 
 
 
 @compiled
+def turned(quaternion: Array, index: Node, weight: Array, turn: Array) -> None:
+    """``turn`` (4, n): unit quaternions w x y z of nodes that dual quaternions (b, 8) blend, as in ``carried``."""
+    for n in range(index.shape[0]):
+        first = index[n, 0]
+        w0, x0, y0, z0 = quaternion[first, 0], quaternion[first, 1], quaternion[first, 2], quaternion[first, 3]
+        w, x, y, z = 0.0, 0.0, 0.0, 0.0
+        for k in range(index.shape[1]):
+            g = weight[n, k]
+            if g == 0.0:
+                break
+            b = index[n, k]
+            if w0 * quaternion[b, 0] + x0 * quaternion[b, 1] + y0 * quaternion[b, 2] + z0 * quaternion[b, 3] < 0.0:
+                g = -g
+            w += g * quaternion[b, 0]
+            x += g * quaternion[b, 1]
+            y += g * quaternion[b, 2]
+            z += g * quaternion[b, 3]
+        size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+        turn[0, n], turn[1, n], turn[2, n], turn[3, n] = w * size, x * size, y * size, z * size
+
+
+@compiled
 def lifted(
     node: Node,
     ellipsoid: Node,

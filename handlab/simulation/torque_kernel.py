@@ -42,16 +42,13 @@ def muscle_torque(y: Array, contraction: Array, m: Mechanics, pushing: bool, tor
 def passive_torque(y: Array, m: Mechanics, torque: Array, slope: Array, drag: Array, stop: Array) -> float:
     """Add springs, capsules and ligaments at ``y`` to ``torque`` (k,) and return the energy that they store.
 
-    Fills ``slope``, ``drag`` (k,) and ``stop`` (k, 2): ``slope`` is minus the derivative of each torque by its own coordinate, ``drag`` the viscous coefficient of friction and capsule,
-    ``stop`` where nothing gives any more.
+    Fills ``slope`` (k,), minus the derivative of each torque by its own coordinate, ``drag`` (k,), the viscous coefficient of friction
+    and capsule, and ``stop`` (k, 2), where nothing gives any more.
     """
     friction, stiffness, relaxed, tightened_by = m.friction, m.stiffness, m.relaxed, m.tightened_by
     limits, all_width, torque_at_limit, time, hard_stop = m.limits, m.width, m.torque_at_limit, m.time, m.hard_stop
     range_fraction, stiffness_factor, taut_at = m.range_fraction, m.stiffness_factor, m.taut_at
     energy = 0.0
-    for k in range(y.shape[0]):
-        slope[k] = 0.0
-        drag[k] = friction[k]
     for k in range(y.shape[0]):
         range_left, range_slope, stiffer, stiffer_slope = 1.0, 0.0, 1.0, 0.0
         f = tightened_by[k]
@@ -63,12 +60,14 @@ def passive_torque(y: Array, m: Mechanics, torque: Array, slope: Array, drag: Ar
         away = y[k] - relaxed[k]
         spring = stiffness[k] * stiffer
         torque[k] -= spring * away
-        slope[k] += spring
+        slope[k] = spring
+        drag[k] = friction[k]
         energy += 0.5 * spring * away * away
         if f >= 0:
             torque[f] -= 0.5 * stiffness[k] * stiffer_slope * away * away
-        stop[k, 0], stop[k, 1] = range_left * limits[k, 0] - hard_stop, range_left * limits[k, 1] + hard_stop
-        if all_width[k] <= 0.0:
+        lower, upper, width = range_left * limits[k, 0], range_left * limits[k, 1], range_left * all_width[k]
+        stop[k, 0], stop[k, 1] = lower - hard_stop, upper + hard_stop
+        if width <= 0.0 or lower + width < y[k] < upper - width:
             continue
         for side in range(2):
             sign = 1.0 if side == 1 else -1.0
@@ -76,10 +75,8 @@ def passive_torque(y: Array, m: Mechanics, torque: Array, slope: Array, drag: Ar
             stretch = sign * y[k] - range_left * inner
             if stretch <= 0.0:
                 continue
-            width = range_left * all_width[k]
             u = stretch / width
-            at_limit = torque_at_limit[k, side]
-            pull = at_limit * u * u * u
+            pull = torque_at_limit[k, side] * u * u * u
             stiff = 3.0 * pull / stretch
             torque[k] -= sign * pull
             slope[k] += stiff

@@ -81,3 +81,20 @@ def test_an_unknown_bone_is_answered_with_the_nearest(hand):
 def test_too_few_angles_are_refused(hand):
     with pytest.raises(ValueError, match="31 degrees of freedom"):
         kinematics.body_transforms(hand, np.zeros(23))
+
+
+def test_a_broken_hierarchy_of_bodies_is_refused_by_name(hand):
+    """A body before its parent, two that hang on each other, a joint or parent that does not exist; the hand that was there stays valid."""
+    from dataclasses import replace
+
+    bodies = dict(hand.bodies)
+    first, second = "proximal_phalanx_2", "middle_phalanx_2"
+    wrong = {
+        f"{first!r} comes before its parent {second!r}": {**bodies, first: replace(bodies[first], parent=second)},
+        "no body 'ulna'": {**bodies, first: replace(bodies[first], parent="ulna")},
+        "no joint 'mcp9'": {**bodies, first: replace(bodies[first], joint="mcp9")},
+    }
+    for complaint, broken in wrong.items():
+        with pytest.raises(ValueError, match=complaint):
+            rest(hand.with_(bodies=broken))
+    assert np.isfinite(rest(hand).angle).all()

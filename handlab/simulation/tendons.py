@@ -1,0 +1,194 @@
+"""Tendons of the muscles of the forearm as tubes, for the eye only: mechanics knows lever arms, not these lines.
+
+Every tendon runs through points fixed to bodies (its pulleys and its insertion); where a joint bends under it, it is laid over the
+head of the bone. Courses as in any atlas of anatomy; how far above the bone a tendon runs is chosen by eye on the reference hand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.simulation.geometric_kernel import first_hit
+from handlab.simulation.kinematics import relative_transforms, transforms, tree
+from handlab.simulation.per_hand import per_hand
+from handlab.simulation.tendon_table import COURSES, Flat, Ring
+
+SAMPLES = 7  # points of a tube from one via point to the next
+EVEN = 2  # smoothing passes
+FAR = 0.06  # metres: where rays towards a bone begin
+
+
+class Tube(NamedTuple):
+    """``points`` (n, 3) m along a tendon from the forearm to its end, ``radius`` m, and the pseudo ``muscle`` that it belongs to."""
+
+    name: str
+    muscle: str
+    points: Array
+    radius: float
+
+
+@dataclass(frozen=True)
+class Course:
+    """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v).
+
+    It is laid over joints: ``centre``, ``axis`` (j, 3) on bodies ``carrier`` (j,), at the distance ``reach`` (j,).
+    """
+
+    name: str
+    muscle: str
+    radius: float
+    point: Array
+    body: Index
+    spread: Array
+    centre: Array
+    axis: Array
+    carrier: Index
+    reach: Array
+
+
+def tendons(hand: Hand, angle: ArrayLike) -> tuple[Tube, ...]:
+    """All extrinsic tendons at ``angle`` (dof,) rad, the same number of points in every pose. A picture: no force comes from it."""
+    moved = relative_transforms(hand, angle)
+    return tuple(Tube(course.name, course.muscle, _line(course, moved), course.radius) for course in courses(hand))
+
+
+def _line(course: Course, moved: Array) -> Array:
+    carried = moved[course.body]
+    line: Array = course.spread @ (np.einsum("vij,vj->vi", carried[:, :3, :3], course.point) + carried[:, :3, 3])
+    under = moved[course.carrier]
+    centre = np.einsum("jab,jb->ja", under[:, :3, :3], course.centre) + under[:, :3, 3]
+    axis = np.einsum("jab,jb->ja", under[:, :3, :3], course.axis)
+    for _ in range(EVEN):
+        _lay_over(line, centre, axis, course.reach)
+        line[1:-1] = 0.5 * line[1:-1] + 0.25 * line[:-2] + 0.25 * line[2:]
+    _lay_over(line, centre, axis, course.reach)
+    return line
+
+
+def _lay_over(line: Array, centre: Array, axis: Array, reach: Array) -> None:
+    """Push points that came nearer to a joint's axis than the head of the bone allows straight outwards."""
+    for c, a, r in zip(centre, axis, reach, strict=True):
+        way = line - c
+        along = way @ a
+        way = way - along[:, None] * a
+        far = np.linalg.norm(way, axis=1)
+        near = (far < r) & (np.abs(along) < r) & (far > 1e-4)
+        line[near] += way[near] * (r / far[near] - 1.0)[:, None]
+
+
+@per_hand
+def courses(hand: Hand) -> tuple[Course, ...]:
+    """The courses of all tendons on one hand."""
+    at = _Bones(hand)
+    found = []
+    for name, muscle, radius_mm, vias in COURSES:
+        points, bodies = zip(*(at.via(via, radius_mm) for via in vias), strict=True)
+        joints = [via.over for via in vias if isinstance(via, Ring) and via.over]
+        if any(isinstance(via, Flat) for via in vias):
+            joints.insert(0, "wrist")
+        line = np.array(points)
+        spread = _catmull_rom(line)
+        laid = [at.joint(joint, spread @ line) for joint in joints]
+        centre, axis, carrier, reach = zip(*laid, strict=True) if laid else ((), (), (), ())
+        found.append(
+            Course(
+                name,
+                hand.muscles[muscle].name,
+                1e-3 * radius_mm,
+                frozen(line),
+                frozen(bodies, np.int64),
+                frozen(spread),
+                frozen(np.reshape(centre, (-1, 3))),
+                frozen(np.reshape(axis, (-1, 3))),
+                frozen(carrier, np.int64),
+                frozen(reach),
+            )
+        )
+    return tuple(found)
+
+
+def _catmull_rom(line: Array) -> Array:
+    """Weights (n, v) of a smooth curve through v points; rows add to 1."""
+    count = len(line)
+    if count < 3:
+        share = np.linspace(0.0, 1.0, SAMPLES + 1)[:, None]
+        return np.concatenate([1.0 - share, share], axis=1)
+    unit = np.concatenate([2 * np.eye(count)[:1] - np.eye(count)[1:2], np.eye(count), 2 * np.eye(count)[-1:] - np.eye(count)[-2:-1]])
+    rows = []
+    for k in range(count - 1):
+        a, b, c, d = unit[k : k + 4]
+        for t in np.arange(SAMPLES) / SAMPLES:
+            rows.append(0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3))
+    return np.array([*rows, np.eye(count)[-1]])
+
+
+class _Bones:
+    """Places on the bones of one hand in the bind posture."""
+
+    def __init__(self, hand: Hand) -> None:
+        self.hand = hand
+        self.radial = 1.0 if hand.side == "right" else -1.0
+        posed, axes, _ = transforms(tree(hand), hand.bind)
+        row = {name: k for k, name in enumerate(hand.body_names)}
+        self.centre = {}
+        for name, joint in hand.joints.items():
+            carrier = row[hand.bones[joint.parent].body if joint.parent in hand.bones else joint.parent]
+            self.centre[name] = posed[carrier][:3, :3] @ joint.centre + posed[carrier][:3, 3]
+        self.axes = {name: axes[k] for k, name in enumerate(hand.dof_names)}
+        self.size = float(np.linalg.norm(self.centre["mcp3"] - self.centre["wrist"]))
+
+    def via(self, via: Ring | Flat, radius_mm: float) -> tuple[Array, int]:
+        """Place and body of a via point."""
+        if isinstance(via, Flat):
+            return self._flat(via, radius_mm)
+        return self._ring(via, radius_mm), self.hand.body_names.index(self.hand.bones[via.bone].body)
+
+    def _ring(self, via: Ring, radius_mm: float) -> Array:
+        base, head, palmar, radial = self.frame(via.bone)
+        start = base + via.along * (head - base)
+        way = via.palmar * palmar + via.radial * radial
+        return self._onto([via.bone], start, way / np.linalg.norm(way), via.lift_mm + radius_mm)
+
+    def _flat(self, via: Flat, radius_mm: float) -> tuple[Array, int]:
+        way = np.array([0.0, 1.0 if via.palmar else -1.0, 0.0])
+        start = self.centre["wrist"] + self.size * np.array([via.distal, 0.0, self.radial * via.radial])
+        bones = [name for name, bone in self.hand.bones.items() if bone.body == via.body and not name.startswith("metacarpal")]
+        return self._onto(bones, start, way, via.lift_mm + radius_mm), self.hand.body_names.index(via.body)
+
+    def _onto(self, bones: list[str], start: Array, way: Array, lift_mm: float) -> Array:
+        corners = np.concatenate([self.hand.bones[name].points[self.hand.bones[name].faces] for name in bones])
+        distance = first_hit((start + FAR * way)[None], -way[None], corners)[0][0]
+        height = FAR - distance if np.isfinite(distance) else 0.0
+        place: Array = start + (height + 1e-3 * lift_mm) * way
+        return place
+
+    def frame(self, bone: str) -> tuple[Array, Array, Array, Array]:
+        """Base and head of a metacarpal or phalanx (joint centres), its palmar and radial direction."""
+        digit = bone[-1]
+        chain = ["cmc1", "mcp1", "ip1"] if digit == "1" else [f"{joint}{digit}" for joint in ("cmc", "mcp", "pip", "dip")]
+        bones = [f"metacarpal_{digit}", f"proximal_phalanx_{digit}", *([] if digit == "1" else [f"middle_phalanx_{digit}"])]
+        place = [*bones, f"distal_phalanx_{digit}"].index(bone)
+        base = self.centre[chain[place]]
+        if place + 1 < len(chain):
+            head = self.centre[chain[place + 1]]
+        else:
+            points = self.hand.bones[bone].points
+            head = points[np.linalg.norm(points - base, axis=1).argmax()]
+        distal = (head - base) / np.linalg.norm(head - base)
+        palmar = np.cross(self.axes[f"{chain[max(place, 1)]}.flexion_extension"], distal)
+        palmar /= np.linalg.norm(palmar)
+        return base, head, palmar, self.radial * np.cross(distal, palmar)
+
+    def joint(self, name: str, line: Array) -> tuple[Array, Array, int, float]:
+        """What a tendon is laid over at a joint: centre, axis, the body that carries both, and how near it comes in the bind posture."""
+        centre, axis = self.centre[name], self.axes[f"{name}.flexion_extension"]
+        parent = self.hand.joints[name].parent
+        body = self.hand.bones[parent].body if parent in self.hand.bones else parent
+        way = line - centre
+        way = way - (way @ axis)[:, None] * axis
+        return centre, axis, self.hand.body_names.index(body), float(np.linalg.norm(way, axis=1).min())
