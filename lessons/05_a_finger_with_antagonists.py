@@ -150,8 +150,8 @@ check("bouvier", knuckle_free, knuckle_held)
 # %% [markdown]
 # ### Exercise: who holds it?
 #
-# Somebody bends the PIP while the knuckle is extended, and nobody told them to. Name the two muscles, and the torque of both together
-# at the PIP in N m. Solid bars are active, hatched ones passive.
+# Somebody bends the PIP while the knuckle is extended. Name the two muscles, and the torque of both together at the PIP in N m.
+# Solid bars are active, hatched ones passive.
 
 # %%
 extended = hl.simulate(hand, {"EDC3": 1.0}, seconds=4, hold=["wrist"])
@@ -199,11 +199,11 @@ straight = panel.contraction
 check("straight", straight)
 
 # %% [markdown]
-# What happened on the way, with all fibre lengths. First only the extensor, then the interossei join in:
+# What happens on the way, with fibre lengths. First only the extensor, then the interossei join in with 0.1. Put your own values in.
 
 # %%
 panel.reset()
-for more in ({"EDC3": 1.0}, {"DI2": 0.29, "DI3": 0.32}):
+for more in ({"EDC3": 1.0}, {"DI2": 0.1, "DI3": 0.1}):
     panel.set(**more)
 hl.curves(panel.clip, muscles=["FDP3", "FDS3", "EDC3", "DI2"], joints=["mcp3.flexion_extension", "pip3", "dip3"])
 
@@ -216,12 +216,12 @@ hl.curves(panel.clip, muscles=["FDP3", "FDS3", "EDC3", "DI2"], joints=["mcp3.fle
 #
 # ### Exercise: measure
 #
-# No muscle contracts, wrist held. By how many degrees is the middle finger straighter with the paper's choice (MCP, PIP and DIP
-# together)? And which muscle of this finger pulls hardest there?
+# No muscle contracts; the wrist is held where it is in the relaxed hand. By how many degrees is the middle finger straighter with the
+# paper's choice (MCP, PIP and DIP together)? And which muscle of this finger pulls hardest there?
 
 # %%
 flat = hand.with_fibre_rest("flat")
-at_rest = hl.settle(flat, {}, hold=["wrist"], look_for_others=False).state
+at_rest = hl.settle(flat, {}, start=hl.rest(hand), hold=["wrist"], look_for_others=False).state
 # solution: straighter_deg, puller = ..., ...
 straighter_deg = np.rad2deg(relaxed - at_rest.angle[joints]).sum()
 stretch = at_rest.fibre_length[rows] / flat.rest_length[rows] - 1
@@ -233,7 +233,8 @@ check("cascade", straighter_deg, puller)
 # ## 7 Stiffness
 #
 # Hold your finger loosely and let someone tap it. Now tense all its muscles at once, without moving. What has changed is its
-# **stiffness**: the torque that a small turn takes, $k = -\,\mathrm dT/\mathrm d\varphi$. With $\lambda = \ell/\ell_0$ and the other joints held:
+# **stiffness**: the torque that a small turn takes, $k = -\,\mathrm dT/\mathrm d\varphi$. With $\lambda = \ell/\ell_0$ and the
+# other joints held:
 #
 # $$ k = \kappa + \sum_i \frac{R_i^2}{\ell_{0i}}\,F^{max}_i\,\big(c_i\,f_a'(\lambda_i) + f_p'(\lambda_i)\big) $$
 #
@@ -278,12 +279,12 @@ check("stiffen", added_relaxed, added_straight)
 
 # %%
 shares = np.linspace(-0.3, 1.5, 46)  # 0: straight finger, 1: relaxed
-figure, axes = plt.subplots(figsize=(14, 7), layout="constrained")
-for k, much in enumerate((0.0, 0.5, 1.0)):
-    curve = [own_stiffness(share * relaxed, np.full(6, much))[0] for share in shares if own_stiffness(relaxed, np.ones(6)) is not ...]
-    if curve:
-        axes.plot(np.rad2deg(shares * relaxed[0]), curve, label=f"all muscles at {much:g}", **line(k))
-        axes.legend()
+answered = own_stiffness(relaxed, np.ones(6)) is not ...
+figure, axes = plt.subplots(figsize=(14, 7))
+for k, much in enumerate((0.0, 0.5, 1.0) if answered else ()):
+    curve = [own_stiffness(share * relaxed, np.full(6, much))[0] for share in shares]
+    axes.plot(np.rad2deg(shares * relaxed[0]), curve, label=f"all muscles at {much:g}", **line(k))
+    axes.legend(fontsize=17)
 axes.axvline(0, color="0.45", linewidth=1.5), axes.axvline(np.rad2deg(relaxed[0]), color="0.45", linewidth=1.5, linestyle=":")
 axes.set(xlabel="MCP flexion (degrees), PIP and DIP in proportion", ylabel="stiffness of MCP (N m/rad)")
 axes.set_title("Straight finger: solid grey line. Relaxed finger: dotted."), plt.close(figure)
@@ -305,8 +306,7 @@ check("culprits", culprits)
 # Try it with your own straight finger: it does *not* get softer. The curve was fitted to muscles that hold still at one length after
 # another. A contracting muscle that is stretched a little, and fast, resists much more than this (short-range stiffness: Rack and
 # Westbury 1974). The model knows nothing of it.
-
-# %% [markdown]
+#
 # ## 8 Doubt the data: three joints, one tendon
 #
 # A living finger can be tensed in the relaxed posture without moving. Can this one?
@@ -330,12 +330,12 @@ check("newtons", newtons)
 
 # %%
 others = [0, 1, 3, 4, 5]  # rows of R without EDC3
-# solution: left_mNm, helpers = ..., ...
+# solution: left_mnm, helpers = ..., ...
 forces, left = nnls(R[others].T, -R[2])
-left_mNm = 1000 * left
+left_mnm = 1000 * left
 helpers = {muscles[k] for k, force in zip(others, forces, strict=True) if force > 0}
 # end solution
-check("doubt", left_mNm, helpers)
+check("doubt", left_mnm, helpers)
 
 # %% [markdown]
 # ## 9 Break it: a hand with two rests
@@ -361,7 +361,7 @@ def end(one_hand, begin_deg):
 from_extension, from_flexion = (np.rad2deg(end(loose, begin).state.angle[0]) for begin in (-40, 20))
 # end solution
 check("two", from_extension, from_flexion)
-print("others of the loose hand:", [np.round(np.rad2deg(other[0]), 1) for other in end(loose, 20).others], "of hand:", end(hand, 20).others)
+print(f"rests besides the one that is found: {len(end(loose, 20).others)} of the loose hand, {len(end(hand, 20).others)} of the hand")
 
 # %% [markdown]
 # ## Summary
@@ -369,7 +369,7 @@ print("others of the loose hand:", [np.round(np.rad2deg(other[0]), 1) for other 
 # - A finger rests where torques cancel at all its joints. `hl.settle` finds it, says whether it lasts (`.stable`) and what else it found.
 # - The extensor alone makes a claw: the knuckle gives way and stretches the flexors, which bend the PIP. Interossei make the duck's
 #   beak. A straight finger takes both.
-# - Contracting both sides stiffens a relaxed finger. In the straight one the fitted curve says the opposite, and the curve is wrong there.
+# - Contracting both sides stiffens a relaxed finger. In the straight one the fitted curve says the opposite; your finger does not.
 # - Three joints, six muscles, constant lever arms: not everything that a living finger does can be balanced.
 # - A balance need not last, and there may be more than one.
 

@@ -23,6 +23,7 @@ from handlab.physics.distance import closest
 from handlab.simulation.geometric_kernel import first_hit
 from handlab.simulation.geometric_muscle import fit
 from handlab.simulation.muscle_fit import REST_SHARE, checked_skin
+from handlab.simulation.muscle_paint import barycentric
 from tools.muscle_places import Places
 
 SOURCES = ("ANAT", "PAPER")
@@ -153,7 +154,7 @@ def _feet(hand: Hand, wanted: Array, view: Array) -> tuple[Any, Array, Array]:
         for k in range(rows):
             _, near, spot[k] = closest(np.ascontiguousarray(points[k]), np.ascontiguousarray(corners[seen[k]]))
             found[k] = seen[k][near]
-        bary = _barycentric(spot.reshape(-1, 3), corners[found.ravel()]).reshape(rows, columns, 3)
+        bary = barycentric(spot.reshape(-1, 3), corners[found.ravel()]).reshape(rows, columns, 3)
         up = np.einsum("rck,rckd->rcd", bary, up_at[faces[found]])
         return spot, found, bary, up / np.linalg.norm(up, axis=2, keepdims=True)
 
@@ -185,25 +186,17 @@ def _even(moves: Array) -> Array:
     return moves
 
 
-def _barycentric(points: Array, corners: Array) -> Array:
-    """Barycentric coordinates (n, 3) of places (n, 3) on triangles (n, 3, 3)."""
-    u, v, w = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], points - corners[:, 0]
-    uu, uv, vv = (np.einsum("ij,ij->i", a, b) for a, b in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
-    det = uu * vv - uv * uv
-    b, c = (vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det
-    two = np.clip(np.stack([1.0 - b - c, b], axis=1), 0.0, 1.0).round(5)
-    return np.concatenate([two, 1.0 - two.sum(axis=1, keepdims=True)], axis=1)
-
-
 def report(hand: Hand, plan: Plan, grid: MuscleGrid) -> str:
     """How far the fitted muscle is from the plan, in millimetres."""
     fitted = fit(hand, grid)
     share = np.linspace(0.0, 1.0, plan.columns)[:, None]
     wanted = np.array([(1.0 - share) * row.one + share * row.other for row in plan.rows])
     off = 1e3 * np.linalg.norm(fitted.point - (wanted[:, 1:] + wanted[:, :-1]) / 2, axis=2)
-    thick = 1e3 * fitted.thickness.max()
-    return f"{grid.name:36} off {off.mean():4.1f}, worst {off.max():4.1f} mm; thick {thick:4.1f} mm; skin distance {1e3 * grid.skin_distance.min():.1f} to {1e3 * grid.skin_distance.max():.1f} mm"
+    thick, below = 1e3 * fitted.thickness.max(), 1e3 * grid.skin_distance
+    return (
+        f"{grid.name:36} off {off.mean():4.1f}, worst {off.max():4.1f} mm; thick {thick:4.1f} mm; "
+        f"skin distance {below.min():.1f} to {below.max():.1f} mm"
+    )
 
 
 def main() -> None:

@@ -9,9 +9,7 @@ import numpy as np
 from handlab.anatomy.records import Array, Hand
 from handlab.physics.distance import closest
 from handlab.simulation.geometric_kernel import first_hit
-from handlab.simulation.kinematics import relative_transforms, tree, transforms
-
-FLEXION = {1: "mcp1", 2: "mcp2", 3: "mcp3", 4: "mcp4", 5: "mcp5"}
+from handlab.simulation.kinematics import relative_transforms, transforms, tree
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,9 @@ class Places:
         low, high = (centre + value * distal for value in (along.min(), along.max()))
         # The shaft is bowed: base and head are the middles of the ends.
         ends = [points[np.abs(along - value) < 0.004].mean(axis=0) for value in (along.min(), along.max())]
-        low, high = (end + ((value - (end - centre) @ distal) * distal) for end, value in zip(ends, (along.min(), along.max()), strict=True))
+        low, high = (
+            end + ((value - (end - centre) @ distal) * distal) for end, value in zip(ends, (along.min(), along.max()), strict=True)
+        )
         return Frame(low, high, distal, palmar, np.cross(distal, palmar))
 
     def on(self, bone: str, along: float, palmar: float, radial: float, lift_mm: float = 0.0) -> Array:

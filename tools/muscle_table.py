@@ -24,7 +24,13 @@ def thenar(at: Places) -> list[Plan]:
     """Abductor, flexor, opponens, and the two heads of the adductor."""
     m1, p1, m3 = "metacarpal_1", "proximal_phalanx_1", "metacarpal_3"
     abductor = [
-        _row(at.carpal("trapezium", (-0.3, 1, 0.5), 2.5), at.carpal("scaphoid", (0.2, 1, 0.0), 3.0), 1.8, {"trapezium": 0.5, "scaphoid": 0.5}, THENAR),
+        _row(
+            at.carpal("trapezium", (-0.3, 1, 0.5), 2.5),
+            at.carpal("scaphoid", (0.2, 1, 0.0), 3.0),
+            1.8,
+            {"trapezium": 0.5, "scaphoid": 0.5},
+            THENAR,
+        ),
         _row(at.on(m1, 0.22, 0.35, 1, 4.0), at.on(m1, 0.16, 1, 0.45, 7.0), 3.6, {"trapezium": 0.5, m1: 0.5}, THENAR),
         _row(at.on(m1, 0.55, 0.25, 1, 3.6), at.on(m1, 0.52, 1, 0.75, 6.0), 3.8, m1, THENAR),
         _row(at.on(m1, 0.86, 0.2, 1, 2.0), at.on(m1, 0.86, 1, 1, 3.0), 2.2, m1, THENAR),
@@ -46,7 +52,13 @@ def thenar(at: Places) -> list[Plan]:
     oblique = [
         _row(at.on("metacarpal_2", 0.14, 1, -0.2, 1.6), at.on(m3, 0.12, 1, -0.3, 1.6), 2.4, "capitate", PALM),
         _row(at.on("metacarpal_2", 0.2, 1, 0.6, 3.6), at.on(m3, 0.28, 1, 0.6, 3.2), 4.0, {"capitate": 0.75, m1: 0.25}, PALM),
-        _row(at.on(m1, 0.55, 1, -1, 5.0), between(at.on(m1, 0.6, 1, -1, 5.0), at.on(m3, 0.45, 1, 0.6, 3.6), 0.36), 4.4, {m1: 0.7, "capitate": 0.3}, PALM),
+        _row(
+            at.on(m1, 0.55, 1, -1, 5.0),
+            between(at.on(m1, 0.6, 1, -1, 5.0), at.on(m3, 0.45, 1, 0.6, 3.6), 0.36),
+            4.4,
+            {m1: 0.7, "capitate": 0.3},
+            PALM,
+        ),
         _row(at.on(m1, 0.86, 1, -0.3, 2.2), at.on(m1, 0.84, 0.8, -1, 2.4), 3.0, m1, PALM),
         _row(at.under(p1, 0.06, 1, -0.3, 2.8), at.under(p1, 0.07, 0.7, -1, 2.8), 1.5, p1, PALM),
     ]
@@ -74,16 +86,16 @@ def hypothenar(at: Places) -> list[Plan]:
     m5, p5 = "metacarpal_5", "proximal_phalanx_5"
     abductor = [
         _row(at.carpal("pisiform", (1, 0.7, 0.3), 1.0), at.carpal("pisiform", (1, 0.3, -0.8), 1.0), 2.0, "pisiform", HYPO),
-        _row(at.under(m5, 0.2, 0.8, -1, 4.2), at.under(m5, 0.2, -0.25, -1, 4.2), 3.8, {"pisiform": 0.5, m5: 0.5}, HYPO),
-        _row(at.under(m5, 0.5, 0.8, -1, 4.0), at.under(m5, 0.5, -0.2, -1, 4.0), 3.8, m5, HYPO),
+        _row(at.under(m5, 0.2, 1, -1, 4.4), at.under(m5, 0.2, -0.25, -1, 4.4), 4.8, {"pisiform": 0.5, m5: 0.5}, HYPO),
+        _row(at.under(m5, 0.5, 1, -1, 4.2), at.under(m5, 0.5, -0.2, -1, 4.2), 4.8, m5, HYPO),
         _row(at.under(m5, 0.86, 0.5, -1, 2.6), at.under(m5, 0.86, -0.2, -1, 2.6), 2.0, m5, HYPO),
         _row(at.under(p5, 0.1, 0.5, -1, 2.2), at.under(p5, 0.1, -0.3, -1, 2.2), 1.3, p5, HYPO),
     ]
     hook = at.carpal("hamate", (0.5, 1, -0.2), 1.0)
     flexor = [
         _row(*across(hook, np.array([-0.2, 0.0, -1.0]), 4.0), 1.8, "hamate", PALM),
-        _row(at.on(m5, 0.25, 1, 0.55, 4.6), at.on(m5, 0.25, 1, -0.5, 4.6), 3.6, {"hamate": 0.5, m5: 0.5}, PALM),
-        _row(at.on(m5, 0.55, 1, 0.15, 3.8), at.on(m5, 0.55, 1, -0.9, 3.8), 3.6, m5, PALM),
+        _row(at.on(m5, 0.25, 1, 0.65, 4.6), at.on(m5, 0.25, 1, -0.6, 4.6), 4.6, {"hamate": 0.5, m5: 0.5}, PALM),
+        _row(at.on(m5, 0.55, 1, 0.3, 4.0), at.on(m5, 0.55, 1, -0.9, 3.8), 4.4, m5, PALM),
         _row(at.on(m5, 0.88, 1, -0.3, 2.4), at.on(m5, 0.88, 1, -1, 2.2), 2.2, m5, PALM),
         _row(at.on(p5, 0.08, 1, -0.5, 0.8), at.on(p5, 0.08, 0.8, -1, 0.8), 1.3, p5, PALM),
     ]
@@ -108,10 +120,10 @@ def lumbricals(at: Places) -> list[Plan]:
         f, g = at.frame(m), at.frame(p)
         rows = []
         for bone, along, side, lift, width, thick, carried, view in (
-            (m, 0.22, (1, 0.55), 4.6, 2.6, 1.4, m, PALM),
-            (m, 0.45, (1, 0.75), 4.2, 4.0, 2.8, m, PALM),
-            (m, 0.66, (1, 0.9), 3.6, 4.0, 2.8, m, PALM),
-            (m, 0.9, (0.8, 1), 2.6, 2.6, 1.8, m, PALM),
+            (m, 0.22, (1, 0.4), 7.6, 2.6, 1.4, m, PALM),
+            (m, 0.45, (1, 0.5), 7.2, 4.0, 2.8, m, PALM),
+            (m, 0.66, (1, 0.6), 6.0, 4.0, 2.8, m, PALM),
+            (m, 0.9, (0.9, 1), 2.8, 2.6, 1.8, m, PALM),
             (p, 0.1, (0.6, 1), 1.2, 2.0, 1.2, p, PALM),
             (p, 0.22, (0.5, 1), 1.0, 3.4, 1.2, p, PALM),
         ):
@@ -128,19 +140,24 @@ def interossei(at: Places) -> list[Plan]:
     m1, m2, p2 = "metacarpal_1", "metacarpal_2", "proximal_phalanx_2"
     first = (0.1, -0.75, 0.65)
     deep = [
-        _row(at.on(m2, 0.1, -0.1, 1, 2.6), at.on(m2, 0.13, 0.9, 1, 2.6), 3.0, m2, first),
-        _row(at.on(m2, 0.3, -0.15, 1, 3.2), at.on(m2, 0.3, 0.9, 1, 4.6), 5.0, m2, first),
-        _row(at.on(m2, 0.55, -0.15, 1, 2.9), at.on(m2, 0.55, 0.9, 1, 4.2), 5.0, m2, first),
-        _row(at.on(m2, 0.85, -0.1, 1, 1.7), at.on(m2, 0.85, 0.6, 1, 1.8), 2.2, m2, first),
-        _row(at.on(p2, 0.1, -0.1, 1, 0.7), at.on(p2, 0.1, 0.4, 1, 0.7), 1.3, p2, first),
+        _row(at.on(m2, 0.1, -0.3, 1, 1.6), at.on(m2, 0.14, 0.6, 1, 3.6), 3.0, m2, first),
+        _row(at.on(m2, 0.3, -0.35, 1, 1.8), at.on(m2, 0.3, 0.6, 1, 5.6), 5.0, m2, first),
+        _row(at.on(m2, 0.55, -0.35, 1, 1.8), at.on(m2, 0.55, 0.6, 1, 5.2), 5.0, m2, first),
+        _row(at.on(m2, 0.85, -0.25, 1, 1.2), at.on(m2, 0.85, 0.5, 1, 2.2), 2.4, m2, first),
+        _row(at.on(p2, 0.1, -0.2, 1, 0.7), at.on(p2, 0.1, 0.4, 1, 0.9), 1.3, p2, first),
     ]
     head = [
         _row(at.on(m1, 0.16, 0.3, -1, 1.8), at.on(m1, 0.62, -0.1, -1, 1.8), 3.0, m1, first),
-        _row(between(at.on(m1, 0.16, 0.3, -1, 1.8), at.on(m2, 0.3, 0.2, 1, 6.0), 0.5), between(at.on(m1, 0.62, -0.1, -1, 1.8), at.on(m2, 0.55, 0.4, 1, 7.0), 0.55), 6.0,
-             {m1: 0.5, m2: 0.5}, first),
-        _row(at.on(m2, 0.5, -0.15, 1, 6.5), at.on(m2, 0.6, 0.7, 1, 9.0), 6.0, {m2: 0.9, m1: 0.1}, first),
-        _row(at.on(m2, 0.85, -0.1, 1, 2.4), at.on(m2, 0.86, 0.7, 1, 3.0), 2.6, m2, first),
-        _row(at.on(p2, 0.12, 0.0, 1, 0.9), at.on(p2, 0.12, 0.5, 1, 0.9), 1.3, p2, first),
+        _row(
+            between(at.on(m1, 0.16, 0.3, -1, 1.8), at.on(m2, 0.3, 0.2, 1, 6.0), 0.5),
+            between(at.on(m1, 0.62, -0.1, -1, 1.8), at.on(m2, 0.55, 0.4, 1, 7.0), 0.5),
+            7.6,
+            {m1: 0.5, m2: 0.5},
+            first,
+        ),
+        _row(at.on(m2, 0.5, -0.15, 1, 5.5), at.on(m2, 0.62, 0.8, 1, 11.0), 8.0, {m2: 0.9, m1: 0.1}, first),
+        _row(at.on(m2, 0.85, -0.2, 1, 2.4), at.on(m2, 0.86, 0.7, 1, 4.0), 3.2, m2, first),
+        _row(at.on(p2, 0.12, -0.1, 1, 0.9), at.on(p2, 0.12, 0.6, 1, 1.0), 1.3, p2, first),
     ]
     found = [
         Plan("dorsal_interosseus_1_index_head", "dorsal_interosseus_1", resampled(deep, 7), 3, confined=True),
@@ -164,14 +181,25 @@ def interossei(at: Places) -> list[Plan]:
         m, p = f"metacarpal_{finger}", f"proximal_phalanx_{finger}"
         rows = []
         for bone, along, side, lift, width, thick in (
-            (m, 0.16, (1.0, 0.8 * way), 1.0, 3.0, 1.8),
-            (m, 0.4, (1.0, 1.0 * way), 2.0, 4.4, 3.6),
-            (m, 0.64, (0.9, 1.0 * way), 2.0, 4.4, 3.6),
+            (m, 0.16, (1.0, 0.7 * way), 1.1, 3.0, 1.8),
+            (m, 0.4, (1.0, 0.8 * way), 2.3, 4.4, 3.6),
+            (m, 0.64, (1.0, 0.9 * way), 2.3, 4.4, 3.6),
             (m, 0.92, (0.3, 1.0 * way), 1.6, 2.4, 2.0),
             (p, 0.1, (0.1, 1.0 * way), 0.7, 2.0, 1.3),
         ):
             frame = at.frame(bone)
-            rows.append(_row(*across(at.on(bone, along, *side, lift), -frame.radial + (0.5 * way * frame.palmar if side[0] > 0.5 else way * frame.palmar), width), thick, bone, PALM))
+            rows.append(
+                _row(
+                    *across(
+                        at.on(bone, along, *side, lift),
+                        -frame.radial + (0.5 * way * frame.palmar if side[0] > 0.5 else way * frame.palmar),
+                        width,
+                    ),
+                    thick,
+                    bone,
+                    PALM,
+                )
+            )
         found.append(Plan(f"palmar_interosseus_{number}", f"palmar_interosseus_{number}", resampled(rows, 7), 3, confined=True))
     return found
 

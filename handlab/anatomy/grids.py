@@ -70,7 +70,7 @@ class MuscleGrid:
         sound = math.isfinite(least) and math.isfinite(most) and 0.0 < least <= most <= THICKEST
         self._need(
             sound,
-            f"is {1e3 * least:g} to {1e3 * most:g} mm thick; give 0 < least <= most <= {1e3 * THICKEST:g} mm (metres in code: 0.002, 0.008)",
+            f"is {1e3 * least:g} to {1e3 * most:g} mm thick; give 0 < least <= most <= {1e3 * THICKEST:g} mm (as metres: 0.002, 0.008)",
         )
         depth = np.asarray(self.skin_distance, dtype=np.float64)
         self._need(depth.shape in ((), (1,), (rows,)), f"has {depth.size} skin distances; give one, or one for each of its {rows} rows")
@@ -111,7 +111,7 @@ class MuscleGrid:
         carriers = []
         for k, row in enumerate(given):
             shares = {row: 1.0} if isinstance(row, str) else dict(row)
-            named = {find(name, BONES, kind=f"bone of row {k + 1} of {self.name!r}"): float(share) for name, share in shares.items()}
+            named = {find(name, BONES, kind=f"bone (row {k + 1} of {self.name})"): float(share) for name, share in shares.items()}
             total = sum(named.values())
             right = 1 <= len(named) <= 2 and min(named.values(), default=0.0) > 0.0 and math.isfinite(total)
             self._need(right, f"row {k + 1} hangs on {len(named)} bones; name one or two, with positive shares")
@@ -125,7 +125,7 @@ class MuscleGrid:
         """
         if self.triangle.max() >= len(skin.faces):
             raise ValueError(
-                f"the muscle grid {self.name!r} lies off the skin: it names triangle {self.triangle.max()}, this skin has {len(skin.faces)}; "
+                f"the muscle grid {self.name!r} lies off the skin: it names triangle {self.triangle.max()} of {len(skin.faces)}; "
                 "a grid fits the skin that it was painted on, or one warped from it"
             )
         # A mirrored hand turns its triangles round; the place on them stays.

@@ -12,6 +12,7 @@ import numpy as np
 from handlab.anatomy import data, tables
 from handlab.anatomy.capsule import Capsule
 from handlab.anatomy.glb import read_glb
+from handlab.anatomy.growth import Growth, grown_muscles
 from handlab.anatomy.mirror import mirrored
 from handlab.anatomy.passive import passive, printed_friction
 from handlab.anatomy.records import Array, Body, Bone, DegreeOfFreedom, FineSkin, Hand, Joint, Named, Skin, frozen
@@ -85,6 +86,8 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
     found = passive()
     settings = geometry.get("settings", {})
     own = settings if reading == geometry.get("reading") else {}  # another reading has its own posture and stiffness
+    growth = _growth(settings.get("growth"))
+    muscles = tables.muscles()
     return Hand(
         name=geometry["name"],
         side=geometry["side"],
@@ -94,7 +97,7 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         bones=Named("bone", {name: _bone(name, meshes[name]) for name in BONES}),
         bodies=Named("body", {name: _body(name, row) for name, row in geometry["bodies"].items()}),
         joints=Named("joint", joints),
-        muscles=Named("muscle", tables.muscles(), tables.aliases()),
+        muscles=Named("muscle", grown_muscles(muscles, growth, tables.dof_names()) if growth else muscles, tables.aliases()),
         feature_points=Named("feature point", geometry["feature_points"]),
         bind=frozen(bind),
         fibre_rest=frozen(own.get("fibre_rest_rad", tables.fibre_rest("flat" if printed else "relaxed"))),
@@ -105,7 +108,12 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         collateral=dict(own.get("collateral", {} if printed else found.collateral)),
         newton_per_percent=float(settings.get("newton_per_percent", tables.newton_per_percent())),
         sources=geometry["sources"],
+        growth=growth,
     )
+
+
+def _growth(saved: dict[str, Any] | None) -> Growth | None:
+    return None if saved is None else Growth(float(saved["length"]), frozen(saved["lever_arm"]))
 
 
 def _capsule(saved: dict[str, Any] | None) -> Capsule | None:

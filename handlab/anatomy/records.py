@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from handlab.anatomy.capsule import Capsule as Capsule
+from handlab.anatomy.growth import Growth as Growth
 from handlab.anatomy.meshes import Array as Array
 from handlab.anatomy.meshes import FineSkin as FineSkin
 from handlab.anatomy.meshes import Index as Index
@@ -97,6 +98,7 @@ class Hand:
 
     Fibres have their rest length at ``fibre_rest`` (dof,) rad. Passive structures: springs of ``stiffness`` (dof,) about
     ``relaxed`` (dof,), ``friction`` (dof,), ``capsule`` (None: hard limits), ``collateral`` ligaments of the finger MCP joints.
+    ``growth``: how muscles differ from the tables in a hand of another size (None: not at all; see ``growth.grown``).
     """
 
     name: str
@@ -118,6 +120,7 @@ class Hand:
     collateral: Mapping[str, float]
     newton_per_percent: float
     sources: Mapping[str, Any] = field(repr=False)
+    growth: Growth | None = None
 
     def __repr__(self) -> str:
         return (

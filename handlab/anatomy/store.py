@@ -120,6 +120,7 @@ def _table(hand: Hand) -> dict[str, Any]:
             "stiffness": hand.stiffness.tolist(),
             "collateral": dict(hand.collateral),
             "relaxed_rad": hand.relaxed.tolist(),
+            **({} if hand.growth is None else {"growth": {"length": hand.growth.length, "lever_arm": hand.growth.lever_arm.tolist()}}),
             "capsule": None if hand.capsule is None else {name: np.asarray(v).tolist() for name, v in asdict(hand.capsule).items()},
         },
         "sources": dict(hand.sources),

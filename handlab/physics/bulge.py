@@ -18,7 +18,7 @@ LEAST = 0.01  # no point comes nearer to the fixed end than this share of its re
 RECALLED_FACTOR = 2.0  # thickness gained per length lost (recalled, doubtful)
 # Assumptions: what full contraction does to a muscle whose ends stay where the bones are. They are chosen by eye, so that a
 # belly at full contraction is a good tenth thicker over both axes and a good quarter over the height alone.
-SHORTENING = 0.25  # the middle of the belly gives up this share of its length to the tendinous ends
+SHORTENING = 0.3  # the middle of the belly gives up this share of its length to the tendinous ends
 TRANSFER = 0.9  # volume moves from the ends into the belly: relative change per unit of bell weight above its mean
 FREE_SHORTENING = 0.4  # a fibre whose end hangs on no bone shortens to 0.6 of its length
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import muscle_force
+from handlab.show.wardrobe import BLEND, SOFT, between_skins
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframe_files import refused
 from handlab.simulation.keyframes import KeyFrames
@@ -25,7 +26,7 @@ KEYS_PER_SECOND = 20
 MOST_TRACK_ROWS = 240
 LONGEST_CLIP = 600.0  # seconds: what is loaded must not stop the hand for long
 
-Moments = Iterable[tuple[float, Array, Array, Array]]
+Moments = Iterable[tuple[float, Array, Array, Array, Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,8 @@ def between(clip: Clip, time: float, *, skin: bool = False) -> tuple[Array, Arra
     mixed: list[Array] = [
         (1.0 - share) * values[left] + share * values[right] for values in (clip.contraction, clip.angle, clip.fibre_length, clip.force)
     ]
+    if clip.worn is not None and skin:
+        return mixed[0], mixed[1], mixed[2], mixed[3], between_skins(clip, left, right, share)
     return mixed[0], mixed[1], mixed[2], mixed[3], blend(clip.hand, mixed[1]) if skin else None
 
 
@@ -76,17 +79,20 @@ def again(clip: Clip, hold: Iterable[str]) -> Clip:
     if len(clip.time) < 2:
         return clip
     keys = keys_of(clip.time - clip.time[0], clip.contraction, clip.hand, clip.name)
-    return simulate(clip.hand, keys, hold=hold, start=clip.states[0])
+    return simulate(clip.hand, keys, hold=hold, start=clip.states[0], muscles=clip.muscles)
 
 
-def single(hand: Hand, time: float, contraction: Array, angle: Array) -> Clip:
-    """A clip of one frame."""
-    return history_clip(hand, [(time, contraction, angle, np.zeros_like(angle))], "")
+def single(hand: Hand, time: float, contraction: Array, angle: Array, skin: Array | None = None, **how: str) -> Clip:
+    """A clip of one frame; ``skin`` (N, 3): its soft skin."""
+    return history_clip(hand, [(time, contraction, angle, np.zeros_like(angle), skin)], "", **how)
 
 
-def history_clip(hand: Hand, moments: Moments, name: str) -> Clip:
-    """A clip of live moments: (time, contraction, angle, speed)."""
-    columns = list(zip(*moments, strict=True))
+def history_clip(hand: Hand, moments: Moments, name: str, *, wear: str = SOFT, muscles: str = "both") -> Clip:
+    """A clip of live moments: (time, contraction, angle, speed, points of the soft skin or None).
+
+    The clip has a soft skin, worn as ``wear`` says, if all moments have it.
+    """
+    *columns, skins = list(zip(*moments, strict=True))
     time, contraction, angle, speed = (np.array(column, dtype=np.float64) for column in columns)
     length = fibre_lengths(hand, angle)
     force = muscle_force(contraction, length / hand.rest_length, hand.max_force)
@@ -102,15 +108,24 @@ def history_clip(hand: Hand, moments: Moments, name: str) -> Clip:
         torque=frozen(force @ hand.lever_arm),
         fps=float(1.0 / np.median(gaps)) if len(gaps) else 60.0,
         name=name,
+        worn=None if wear == BLEND or any(skin is None for skin in skins) else kept_skin(wear, np.array(skins, dtype=np.float32)),
+        muscles=muscles,
     )
 
 
-def recorded(hand: Hand, moments: Moments, name: str) -> Clip:
+def kept_skin(wear: str, points: Any) -> Any:
+    """A soft skin that was recorded: ``points`` (T, N, 3)."""
+    from handlab.simulation.worn import Worn, skin_worn
+
+    return Worn(skin_worn(wear), points)
+
+
+def recorded(hand: Hand, moments: Moments, name: str, **how: str) -> Clip:
     """What the user did, as a clip. Raises ``ValueError`` if that was nothing."""
     listed = list(moments)
     if len(listed) < 2:
         raise ValueError("nothing moved while recording; press record, move a muscle, press it again")
-    return history_clip(hand, listed, name)
+    return history_clip(hand, listed, name, **how)
 
 
 def pose_text(hand: Hand, contraction: Array, angle: Array, hold: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -14,11 +15,11 @@ from handlab.anatomy.terms import find
 from handlab.physics.muscle import muscle_force
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story, story
+from handlab.show.wardrobe import BLEND, Wardrobe
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips, keyframes
 from handlab.simulation.play import simulate
 from handlab.simulation.skeleton import contraction_of, number, rest, step
-from handlab.simulation.skin import blend
 from handlab.simulation.state import State
 
 LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
@@ -29,13 +30,18 @@ MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
 
 
 class MovingHand:
-    """A hand, the clip that it plays if any, and what its user holds. ``own``: the user's clips by name."""
+    """A hand, the clip that it plays if any, and what its user holds. ``own``: the user's clips by name.
 
-    def __init__(self, hand: Hand, *, skin_points: bool = False) -> None:
+    ``wear``, ``muscles``: as in ``simulate``. A soft skin shows as soon as ``prepare`` has run, and the blend until then.
+    """
+
+    def __init__(self, hand: Hand, *, wear: str = BLEND, muscles: str = "both", skin_points: bool = False) -> None:
         self.hand = hand
+        self.wardrobe = Wardrobe(hand, wear, muscles)
         self.skin_points = skin_points
+        self.segments = False
         self.own: dict[str, KeyFrames | Clip] = {}
-        self._history: deque[tuple[float, Array, Array, Array]] = deque(maxlen=MOST_HISTORY)
+        self._history: deque[tuple[float, Array, Array, Array, Array | None]] = deque(maxlen=MOST_HISTORY)
         self._echo = 0
         self._start_over()
 
@@ -57,16 +63,25 @@ class MovingHand:
         self._awake = 0.0
         self._stale = True
         self._history.clear()
+        self.wardrobe.drop()
 
     def refresh(self) -> None:
         """Let the next tick give a frame, though nothing moves."""
         self._stale = True
+
+    def prepare(self) -> None:
+        """Make the soft skin ready: a second or two, on any thread. Then ``refresh``."""
+        from handlab.show.flesh import packed_layers
+
+        self.wardrobe.prepare()
+        packed_layers(self.hand)
 
     def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
         """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""
         self._leave()
         self.state, self._awake = state, 0.0
         self._history.clear()
+        self.wardrobe.drop()
         self._stale = True
         if contraction is not None:
             self.contraction, self._awake = contraction_of(self.hand, contraction), AWAKE
@@ -75,8 +90,9 @@ class MovingHand:
         """The hand as it stands."""
         if self.clip is None:
             return self.state
-        _, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
-        return State(self.clip_time, angle, np.zeros_like(angle), length, blend(self.hand, angle))
+        _, angle, length, _, skin = keepsakes.between(self.clip, self.clip_time, skin=True)
+        assert skin is not None
+        return State(self.clip_time, angle, np.zeros_like(angle), length, skin)
 
     @property
     def moving(self) -> bool:
@@ -109,19 +125,29 @@ class MovingHand:
             flags=flags,
             echo=self._echo,
             seconds=0.0 if self.clip is None else self._seconds,
-            skin=skin if self.skin_points else None,
+            skin=skin,
+            segments=self._segments(angle, contraction) if self.segments else None,
         )
+
+    def _segments(self, angle: Array, contraction: Array) -> Any:
+        from handlab.simulation.geometric_muscle import ellipsoids
+
+        return ellipsoids(self.hand, angle, self.wardrobe.heard(contraction))
 
     @property
     def _seconds(self) -> float:
         return 0.0 if self.clip is None else float(self.clip.time[-1] - self.clip.time[0])
 
     def _now(self) -> tuple[Array, Array, Array, Array, Array | None]:
+        """Contraction, angle, fibre length, force; points of the skin if they travel."""
         if self.clip is not None:
-            return keepsakes.between(self.clip, self.clip_time, skin=self.skin_points)
+            self.clip = self.wardrobe.dressed(self.clip)
+            return keepsakes.between(self.clip, self.clip_time, skin=self.skin_points or self.clip.worn is not None)
         state = self.state
+        if self.wardrobe.soft:
+            state = self.state = replace(state, skin=self.wardrobe.points(state.angle, self.contraction))
         force = muscle_force(self.contraction, state.fibre_length / self.hand.rest_length, self.hand.max_force)
-        return self.contraction, state.angle, state.fibre_length, force, state.skin
+        return self.contraction, state.angle, state.fibre_length, force, state.skin if self.skin_points or self.wardrobe.soft else None
 
     def _play_on(self, passed: float) -> None:
         self.clip_time += passed
@@ -133,9 +159,17 @@ class MovingHand:
                 self._status()
 
     def _live_on(self, passed: float) -> None:
-        self.state = step(self.hand, self.state, self.contraction, passed, hold=self.hold)
-        self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed))
-        self._awake = AWAKE if float(np.abs(self.state.speed).max()) > STILL else self._awake - passed
+        wardrobe, held = self.wardrobe, self.hand.joints if self.wardrobe.muscles == "geometric" else self.hold
+        if wardrobe.soft:
+            wardrobe.points(self.state.angle, self.contraction)  # where the skin begins, if the hand has jumped
+        self.state = step(self.hand, self.state, self.contraction, passed, hold=held)
+        points = wardrobe.points(self.state.angle, self.contraction, passed) if wardrobe.soft else None
+        if points is not None:
+            self.state = replace(self.state, skin=points)
+        kept = None if points is None else points.astype(np.float32)
+        self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed, kept))
+        still = float(np.abs(self.state.speed).max()) <= STILL and not wardrobe.moving
+        self._awake = self._awake - passed if still else AWAKE
         if self._recording is not None:
             self._awake = AWAKE  # standing still belongs to a recording
 
@@ -143,10 +177,11 @@ class MovingHand:
         """The live hand takes over where the clip is."""
         if self.clip is None:
             return
-        contraction, angle, length, _, _ = keepsakes.between(self.clip, self.clip_time)
+        contraction, angle, length, _, skin = keepsakes.between(self.clip, self.clip_time, skin=True)
+        assert skin is not None
         row = min(int(np.searchsorted(self.clip.time - self.clip.time[0], self.clip_time)), len(self.clip.time) - 1)
         speed = self.clip.speed[row] if self.playing else np.zeros_like(angle)
-        skin = self.clip.skin(row)
+        self.wardrobe.take_over(self.clip, row, skin, angle, contraction)
         self.state, self.contraction = State(self.state.time, angle, speed, length, skin), contraction.copy()
         self.clip, self.clip_name, self.playing = None, "", False
         self._history.clear()
@@ -160,16 +195,17 @@ class MovingHand:
             resimulated = again or bool(self.hold)
             self.clip = keepsakes.again(source, self.hold) if resimulated and self.hold else source
         else:
-            self.clip = simulate(self.hand, keyframes(name) if source is None else source, hold=self.hold)
+            keys = keyframes(name) if source is None else source
+            self.clip = simulate(self.hand, keys, hold=self.hold, muscles=self.wardrobe.muscles)
         self.clip_name, self.clip_time, self.playing, self._recording = name, 0.0, False, None
         self._tell_track()
         self._stale = True
 
     def _shown(self, *, still: bool) -> Story:
         if still or (self.clip is None and len(self._history) < 2):
-            contraction, angle, _, _, _ = self._now()
+            contraction, angle, _, _, skin = self._now()
             time = self.state.time if self.clip is None else self.clip_time
-            return story(keepsakes.single(self.hand, time, contraction, angle))
+            return story(keepsakes.single(self.hand, time, contraction, angle, skin, **self._worn))
         return story(self._shown_clip())
 
     def _shown_clip(self) -> Clip:
@@ -177,7 +213,28 @@ class MovingHand:
             return self.clip
         if len(self._history) < 2:
             raise ValueError("there is no motion yet; play a clip or move a muscle first")
-        return keepsakes.history_clip(self.hand, self._history, "live")
+        return keepsakes.history_clip(self.hand, self._history, "live", **self._worn)
+
+    @property
+    def _worn(self) -> dict[str, str]:
+        """How what is kept of the live hand is worn."""
+        return {"wear": self.wardrobe.wear if self.wardrobe.soft else BLEND, "muscles": self.wardrobe.muscles}
+
+    def _wear(self, message: Mapping[str, Any]) -> None:
+        wardrobe = self.wardrobe
+        muscles = wardrobe.muscles
+        wardrobe.choose(str(message.get("skin", wardrobe.wear)), str(message.get("muscles", muscles)))
+        self._awake = AWAKE
+        self._stale = True
+        if self.clip is not None and muscles != wardrobe.muscles:
+            self._again()
+        self._status()
+
+    def _again(self) -> None:
+        """Open the clip that is open once more, at the same moment."""
+        time, playing = self.clip_time, self.playing
+        self._open(self.clip_name, again=True)
+        self.clip_time, self.playing = min(time, self._seconds), playing
 
 
 def speed_of(value: Any) -> float:

@@ -15,7 +15,7 @@ from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
 from handlab.simulation.per_hand import per_hand
 
 SPACING = 0.00125  # metres between grid points
-REACH = 0.003  # outside bone the field is cut off at this distance; inside it goes to the middle, so that every point finds its way out
+REACH = 0.005  # outside bone the field is cut off at this distance; inside it goes to the middle, so that every point finds its way out
 SAMPLE = 0.0007  # metres between the points that stand for a surface while the grid is built
 
 

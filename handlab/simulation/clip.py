@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import overload
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from handlab.simulation.skin import Method, blend
 from handlab.simulation.state import State
 from handlab.simulation.table import Table
 
+if TYPE_CHECKING:
+    from handlab.simulation.soft_skin import Network
+    from handlab.simulation.worn import Worn
+
 
 @dataclass(frozen=True, eq=False)
 class Clip:
@@ -23,7 +27,8 @@ class Clip:
 
     ``time`` (T,) s, ``contraction`` (T, muscle), ``angle`` (T, dof) rad, ``speed`` (T, dof) rad/s, ``fibre_length``
     (T, muscle) m, ``force`` (T, muscle) N, ``torque`` (T, dof) N m: of the muscles alone, R' F, without friction, joint
-    stiffness and stops. ``laws``: those of the motion.
+    stiffness and stops. ``laws``: those of the motion. ``worn``: the soft skin if one was recorded; without, the bones alone
+    move it. ``muscles``: which of them contracted (see ``simulate``).
     """
 
     hand: Hand = field(repr=False)
@@ -37,12 +42,15 @@ class Clip:
     fps: float
     name: str = ""
     laws: Laws = SOUND
+    worn: Worn | None = field(default=None, repr=False)
+    muscles: str = "both"
 
     def __repr__(self) -> str:
         """One line, with the number that every force in it depends on."""
         label = f" {self.name!r}" if self.name else ""
         scale = f"forces at {self.hand.newton_per_percent:g} N per percent"
-        return f"Clip{label}: {len(self.time)} frames, {self.time[-1]:g} s at {self.fps:g} frames/s, {scale}"
+        skin = "" if self.worn is None else f", skin worn as {self.wear!r}"
+        return f"Clip{label}: {len(self.time)} frames, {self.time[-1]:g} s at {self.fps:g} frames/s, {scale}{skin}"
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -50,12 +58,34 @@ class Clip:
 
     @property
     def states(self) -> Sequence[State]:
-        """One state per frame; each blends its skin when it is asked for."""
+        """One state per frame; each gets its skin when it is asked for."""
         return States(self)
 
-    def skin(self, frame: int, *, method: Method = "dual") -> Array:
-        """Points (N, 3) of the even skin in a frame."""
-        return blend(self.hand, self.angle[frame], method=method)
+    @property
+    def wear(self) -> str:
+        """How the skin is worn: ``"blend"``, ``"springs"`` or ``"springs and muscles"``."""
+        return "blend" if self.worn is None else self.worn.skin
+
+    def skin(self, frame: int, *, method: Method | None = None) -> Array:
+        """Points (N, 3) of the even skin in a frame: the recorded soft skin, or the blend (always, if a ``method`` is given)."""
+        if self.worn is not None and method is None:
+            return self.worn.points(frame)
+        return blend(self.hand, self.angle[frame], method=method or "dual")
+
+    def with_skin(
+        self, skin: str = "springs and muscles", *, network: Network | None = None, progress: Callable[[float], None] | None = None
+    ) -> Clip:
+        """The same motion with its skin worn another way. A soft skin is recorded as far as frames are asked for (about 2 ms each).
+
+        ``network``: springs with other constants or muscles, as ``soft_skin`` makes them. Raises ``UnknownName`` for an unknown skin.
+        """
+        from handlab.simulation.worn import skin_worn, swelling_contraction, worn
+
+        chosen = skin_worn(skin)
+        if chosen == "blend":
+            return replace(self, worn=None)
+        heard = swelling_contraction(self.contraction, self.muscles)
+        return replace(self, worn=worn(self.hand, self.time, self.angle, heard, chosen, network=network, progress=progress))
 
     def table(self, *, muscles: Iterable[str] | None = None, joints: Iterable[str] | None = None) -> Table:
         """Columns with units in their headings.

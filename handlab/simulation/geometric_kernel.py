@@ -157,7 +157,7 @@ def shape_into(
 
 @compiled
 def first_hit(origin: Array, direction: Array, corners: Array) -> tuple[Array, Index]:
-    """Distance (N,) and triangle (N,) at which rays from ``origin`` (N, 3) along unit ``direction`` (N, 3) first meet ``corners`` (M, 3, 3).
+    """Distance and triangle (N,) at which rays from ``origin`` (N, 3) along unit ``direction`` (N, 3) first meet ``corners`` (M, 3, 3).
 
     Infinity and -1 where they meet none (Möller and Trumbore 1997).
     """

@@ -21,7 +21,7 @@ from handlab.simulation.skin import normals
 # Assumptions, all chosen by eye on the reference hand.
 GAP = 0.0004  # metres between a muscle and the bone below it
 FAR_SKIN = 0.003  # metres of skin and fat that stay free where no bone lies below but the far side of the hand
-REST_SHARE = 0.7  # share of its largest thickness that a muscle at rest is fitted to, so that it has room to swell
+REST_SHARE = 0.65  # share of its largest thickness that a muscle at rest is fitted to, so that it has room to swell
 NEAR_SKIN = 0.0008  # metres: where room is short a muscle may come this near to the skin
 REACH = 0.012  # metres an end may lie from its bone before the grid counts as painted in the wrong place
 SHORTEST = 0.0002  # metres: least side of a cell
@@ -165,8 +165,9 @@ def _check_room(grid: MuscleGrid, depth: Array, offset: Array) -> None:
     if np.any(short):
         row, column = np.argwhere(short)[0]
         raise ValueError(
-            f"the muscle grid {grid.name!r} finds no room at row {row + 1}, fibre {column + 1}: bone lies {1e3 * depth[row, column]:.1f} mm "
-            f"below the skin, the least thickness is {1e3 * least:.1f} mm; make it thinner or paint it beside the bone"
+            f"the muscle grid {grid.name!r} finds no room at row {row + 1}, fibre {column + 1}: bone lies "
+            f"{1e3 * depth[row, column]:.1f} mm below the skin, the least thickness is {1e3 * least:.1f} mm; "
+            "make it thinner or paint it beside the bone"
         )
 
 

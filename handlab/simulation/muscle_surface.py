@@ -19,8 +19,8 @@ from handlab.simulation.geometric_kernel import volume_of
 from handlab.simulation.geometric_muscle import OVERLAP, Ellipsoids, GeometricMuscles
 
 STATIONS_PER_SEGMENT = 4
-RING = 14  # points of a section of one fibre; every further fibre adds some
-RING_MORE = 6
+RING = 20  # points of a section of one fibre; every further fibre adds some
+RING_MORE = 8
 TIP = 0.5  # width and thickness at the very end against those of the last segment
 FLAT = 0.7  # exponent of a sheet's outline: 1 is an ellipse, less is fuller towards the edges
 
@@ -111,7 +111,7 @@ def _skeleton(muscles: GeometricMuscles, g: int) -> Skeleton:
     blocks = [np.einsum("sn,kf->skfn", along, w).reshape(stations * ring, -1) for w in (middle, sideways, rise[:, None] * middle)]
     spine = np.concatenate([blocks[0], tips.reshape(2, -1)])
     girth = np.concatenate([np.concatenate(blocks[1:], axis=1), np.zeros((2, 2 * fibres * len(at)))])
-    faces = _tube(stations, ring, inwards=sign < 0.0)
+    faces = tube_faces(stations, ring, inwards=sign < 0.0)
     u = np.concatenate([np.repeat(np.linspace(0.0, 1.0, stations), ring), [0.0, 1.0]])
     resting, axes = _controls(part, fibres, muscles.rest)
     volume = volume_of(spine @ resting + girth @ axes, faces), float(4.0 / 3.0 * np.pi * half.prod(axis=-1).sum())
@@ -128,8 +128,8 @@ def _spline(at: Array, wanted: Array) -> Array:
     return np.asarray(BSpline(knots, np.eye(len(at)), degree)(wanted), dtype=np.float64)
 
 
-def _tube(stations: int, ring: int, *, inwards: bool) -> Index:
-    """Triangles of a tube of rings, closed by two fans."""
+def tube_faces(stations: int, ring: int, *, inwards: bool = False) -> Index:
+    """Triangles of a tube of ``stations`` rings of ``ring`` points, closed by fans about its last two points (start and end)."""
     s, k = np.meshgrid(np.arange(stations - 1), np.arange(ring), indexing="ij")
     a, b = s * ring + k, s * ring + (k + 1) % ring
     c, d = a + ring, b + ring

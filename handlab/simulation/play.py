@@ -28,6 +28,8 @@ def simulate(
     hold: Iterable[str] = (),
     start: State | None = None,
     laws: Laws = SOUND,
+    skin: str = "blend",
+    muscles: str = "both",
     progress: Callable[[float], None] | None = None,
 ) -> Clip:
     """The motion that key frames (or the name of a clip, a mapping, a file) give, from ``start`` or the relaxed hand.
@@ -36,10 +38,16 @@ def simulate(
     examiner's hand holds; ``laws``: which laws of motion, and gravity (see ``Laws``); ``progress`` is called with the finished
     fraction in [0, 1].
 
+    ``skin``: ``"blend"`` (bones alone move it; default, because numbers need no more and it is thirty times faster), ``"springs"``, or
+    ``"springs and muscles"`` (and geometric muscles swell below it); recorded frame by frame. ``muscles``: ``"both"``, ``"pseudo"``
+    (bones turn, nothing swells by contraction) or ``"geometric"`` (muscles swell, all bones stand still).
+
     Substeps lie on one grid of ``laws.substep`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
     same motion. A frame between two substeps is interpolated linearly.
     """
     keys = keyframes(source).for_hand(hand)
+    used, chosen = chosen_names(muscles, skin)
+    held = hand.joints if used == "geometric" else hold
     fps = positive(fps, "fps", "frames per second, such as 60")
     if seconds is None:
         seconds = float(keys.time[-1])
@@ -47,11 +55,11 @@ def simulate(
             raise ValueError("these key frames end at 0 s; say how long to simulate, such as seconds=2")
     seconds = positive(seconds, "seconds", "seconds, such as 2")
     time = np.arange(floor(seconds * fps + 1e-6) + 1) / fps
-    y, speed = path(hand, keys, substeps_of(seconds, laws), time, hold, start, laws, progress)
+    y, speed = path(hand, keys, substeps_of(seconds, laws), time, held, start, laws, progress if chosen == "blend" else None)
     angle = coupled(hand, y)
     contraction, length = keys.at(time), fibre_lengths(hand, angle)
     force = muscle_force(contraction, length / hand.rest_length, hand.max_force, reading=laws.force)
-    return Clip(
+    clip = Clip(
         hand=hand,
         time=frozen(time),
         contraction=frozen(contraction),
@@ -63,7 +71,22 @@ def simulate(
         fps=fps,
         name=keys.name,
         laws=laws,
+        muscles=used,
     )
+    if chosen == "blend":
+        return clip
+    dressed = clip.with_skin(chosen, progress=progress)
+    dressed.skin(-1)
+    return dressed
+
+
+def chosen_names(muscles: str, skin: str) -> tuple[str, str]:
+    """Checked names of ``muscles`` and ``skin``. The springs are imported only if they are asked for."""
+    if (muscles, skin) == ("both", "blend"):
+        return muscles, skin
+    from handlab.simulation.worn import muscles_used, skin_worn
+
+    return muscles_used(muscles), skin_worn(skin)
 
 
 def path(

@@ -31,15 +31,19 @@ from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
 Skin = Literal["blend", "springs", "springs and muscles"]
 SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
 
-LONGEST = 1.9  # times its rest length: no edge is longer at the end of a frame
+LONGEST = 1.8  # times its rest length: no edge is longer at the end of a frame
 LEAST_TURN = 0.1  # cosine between a triangle's normal and the carried one, below which it is turned back
-PART, PASSES, ROUNDS = 0.5, 8, 3  # how far, how often, how many rounds of all limits
+PART, PASSES, ROUNDS = 0.5, 8, 12  # how far, how often, at most how many rounds of all limits
+BONE_ROUNDS = 4  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
 CENTRE_PASSES = 6
+# A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.
+COLUMN_POWER, COLUMN, COLUMN_REACH, COLUMN_PASSES = 1.0, (0.55, 1.5), 0.010, 3
 LIFT = 0.012  # m: a node follows a muscle's surface by less than this
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
-CLEARANCE, MOST_CLEARANCE = 0.6, 0.0015  # skin keeps this share of its rest distance from bone, at most so many metres
-NEAR_BONE = 0.012  # m: bones that come this near a node in the bind posture are asked for
+# Skin keeps these shares of its rest distance from bone, each at most so many metres, whichever is more: tissue can be pressed so far.
+CLEARANCES = ((0.7, 0.0015), (0.4, 0.003))
+NEAR_BONE = 0.015  # m: bones that come this near a node in the bind posture are asked for
 
 
 class Anchors(NamedTuple):
@@ -73,10 +77,21 @@ def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None =
         ties = network.ties
         kernel.lifted(*ties, network.centre, out.turn, *ellipsoids, LIFT, out.centre)
     limits.unfold(out.centre, out.turn, network.faces, network.corner, LEAST_TURN, PART, CENTRE_PASSES)
-    if swelling:
-        stretch = swelling * out.arm
-        np.add(out.centre, stretch, out=out.centre)
-        np.add(out.arm, stretch, out=out.arm)
+    kernel.columns(
+        out.centre,
+        out.arm,
+        network.faces,
+        network.first,
+        network.second,
+        network.degree,
+        network.area,
+        network.depth,
+        swelling,
+        COLUMN_POWER,
+        *COLUMN,
+        COLUMN_REACH,
+        COLUMN_PASSES,
+    )
     return out
 
 
@@ -118,10 +133,11 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
     skin_kernel.dual_quaternions(transforms, quaternion)
     kernel.turned(quaternion, bound.index, bound.weight, turn)
     faults = 0
-    for _ in range(ROUNDS):
-        limits.out_of_bone(position, transforms, *pairs, *field)
-        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
+    for k in range(ROUNDS):
+        if k < BONE_ROUNDS:
+            limits.out_of_bone(position, transforms, *pairs, *field)
         faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
+        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
         if not long and not faults:
             break
     return faults
@@ -143,7 +159,7 @@ def guard(hand: Hand) -> Guard:
         mine = np.flatnonzero((near < NEAR_BONE) | (weights[:, b] > 0.01))
         corner.append(corners[mine])
         body.append(np.full(len(mine), b))
-        clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
+        clearance.append(np.max([np.minimum(share * near[mine], most) for share, most in CLEARANCES], axis=0))
     return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
 
 

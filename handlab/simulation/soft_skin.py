@@ -11,7 +11,7 @@ from math import isfinite
 
 import numpy as np
 
-from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
 from handlab.physics.distance import closest
 from handlab.physics.springs import (
     column_stiffness,
@@ -40,7 +40,7 @@ DAMPING = 600.0  # 1/s: the slowest parts of the skin come to rest within a fram
 SHALLOWEST = 0.0015  # m: columns of tissue are not taken to be shorter; springs of the thinnest would set the step for all
 SMOOTHING = 1.0  # how far weights of deep nodes spread, against ``SMOOTHING_DEPTH``; see ``anchor_weights``
 SMOOTHING_DEPTH = 0.004  # m
-BELOW, BELOW_NEAR, BELOW_FAR = 0.8, 0.006, 0.012  # least weight of the bone below, up to which depth (m), and where it has faded: assumption
+BELOW, BELOW_NEAR, BELOW_FAR = 0.9, 0.012, 0.020  # least weight of the bone below, up to which depth (m), and where it has faded: assumption
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Network:
 
     ``first``, ``second`` (e,) nodes of each edge, ``stiffness`` (e,) N/m, ``rest`` (e,) m; ``mass`` (n,) kg. Per node: ``points`` (n, 3),
     ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the anchor, ``hold`` (n,) N/m of one of the two
-    springs, ``depth`` (n,) m of the tissue column; all three move with the blend of bodies ``index``, ``weight`` (n, 4).
+    springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres, ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
     ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
     """
 
@@ -66,6 +66,8 @@ class Network:
     arm: Array
     hold: Array
     depth: Array
+    area: Array
+    degree: Array
     index: Index
     weight: Array
     damping: float
@@ -204,6 +206,7 @@ def _network(
     np.add.at(taut, edges[:, 0], pull)
     np.add.at(taut, edges[:, 1], -pull)
     centre = balanced(points, arm, hold, taut)
+    centre_area = node_areas(Mesh(centre, skin.faces))
     index, weight = anchor_weights(hand, edges, distance, nearest)
     grounded = pair_tensor(points - centre, arm, hold)
     frequency = largest_frequency(stiffness_matrix(len(points), edges, spring_tensor(way, stiffness, rest), grounded), mass)
@@ -222,6 +225,8 @@ def _network(
         arm=frozen(arm),
         hold=frozen(hold),
         depth=frozen(depth),
+        area=frozen(centre_area),
+        degree=frozen(np.bincount(edges.ravel(), minlength=len(points))),
         index=index,
         weight=weight,
         damping=damping,

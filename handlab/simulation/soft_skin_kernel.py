@@ -188,6 +188,57 @@ def lifted(
 
 
 @compiled
+def columns(
+    centre: Array,
+    arm: Array,
+    faces: Node,
+    first: Node,
+    second: Node,
+    degree: Array,
+    area: Array,
+    depth: Array,
+    swelling: float,
+    power: float,
+    low: float,
+    high: float,
+    reach: float,
+    passes: int,
+) -> None:
+    """Columns of tissue keep their volume, in place: where the net of ``centre`` (3, n) is stretched they get shorter, where pressed longer.
+
+    A column's length changes by (area / area now) ** ``power``, evened out along the edges ``passes`` times, between ``low`` and ``high``,
+    and by 1 + ``swelling``; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,) counts the edges of each node.
+    """
+    nodes = centre.shape[1]
+    now, mean = np.zeros(nodes), np.empty(nodes)
+    for f in range(faces.shape[0]):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        ax, ay, az = centre[0, j] - centre[0, i], centre[1, j] - centre[1, i], centre[2, j] - centre[2, i]
+        bx, by, bz = centre[0, k] - centre[0, i], centre[1, k] - centre[1, i], centre[2, k] - centre[2, i]
+        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        a = math.sqrt(nx * nx + ny * ny + nz * nz) / 6.0
+        now[i] += a
+        now[j] += a
+        now[k] += a
+    for i in range(nodes):
+        now[i] = min(max(now[i] / area[i], 0.2), 5.0) - 1.0
+    for _ in range(passes):
+        mean[:] = 0.0
+        for e in range(first.shape[0]):
+            i, j = first[e], second[e]
+            mean[i] += now[j]
+            mean[j] += now[i]
+        for i in range(nodes):
+            now[i] = 0.5 * now[i] + 0.5 * mean[i] / degree[i]
+    for i in range(nodes):
+        g = min(max((1.0 + now[i]) ** (-power), low), high) * (1.0 + swelling) - 1.0
+        g *= min(1.0, reach / depth[i])
+        for d in range(3):
+            centre[d, i] += g * arm[d, i]
+            arm[d, i] += g * arm[d, i]
+
+
+@compiled
 def framed(before: Array, centre: Array, arm: Array, share: float, anchor: Array) -> None:
     """Fill ``anchor`` (10, n) of ``leapfrog`` from centres ``before`` and at the end of the frame, and arms; rest lengths are ``share`` of the arms."""
     for i in range(centre.shape[1]):

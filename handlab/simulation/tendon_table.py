@@ -40,20 +40,20 @@ def _flexors(k: int) -> list[Row]:
         Flat("forearm", -0.6, 0.9 * z - 0.05, True, 4.0),
         Flat("forearm", -0.15, 0.6 * z - 0.02, True, 3.0),
         Flat("carpus", 0.15, 0.5 * z - 0.02, True, 3.0),
-        Ring(m, 0.45, 1, 0, 4.6),
+        Ring(m, 0.45, 1, -0.05, 6.2),
         Ring(m, 0.94, 1, 0, 1.6),
         Ring(p, 0.3, 1, 0, 0.3),
         Ring(p, 0.75, 1, 0, 0.4),
         Ring(n, 0.1, 1, 0, 0.9),
-        Ring(n, 0.55, 1, 0, 0.2),
-        Ring(d, 0.12, 1, 0, 0.5),
+        Ring(n, 0.55, 1, 0, 0.5),
+        Ring(d, 0.08, 1, 0, 1.2),
         Ring(d, 0.32, 1, 0, -0.6),
     )
     shallow = (
         Flat("forearm", -0.6, 0.9 * z - 0.05, True, 7.0),
         Flat("forearm", -0.15, 0.6 * z - 0.02, True, 5.6),
         Flat("carpus", 0.15, 0.5 * z - 0.02, True, 5.8),
-        Ring(m, 0.45, 1, 0.1, 7.2),
+        Ring(m, 0.45, 1, 0, 8.6),
         Ring(m, 0.94, 1, 0, 3.7),
         Ring(p, 0.22, 1, 0, 2.4),
     )
@@ -76,11 +76,14 @@ def _extensors(k: int) -> list[Row]:
     m, p, n, d = (f"{name}_{k}" for name in ("metacarpal", "proximal_phalanx", "middle_phalanx", "distal_phalanx"))
     finger, z = {2: "index", 3: "middle", 4: "ring", 5: "little"}[k], LENGTHS[k]
     common = (
-        Flat("forearm", -0.6, 0.3 * z, False, 1.5),
+        Flat("forearm", -0.6, 0.3 * z, False, 3.0),
+        Flat("forearm", -0.36, 0.3 * z, False, 2.0),
         Flat("forearm", -0.15, 0.45 * z + 0.02, False, 0.6),
         Flat("carpus", 0.12, 0.6 * z, False, 0.8),
-        Ring(m, 0.4, -1, 0, 0.6),
-        Ring(m, 0.95, -1, 0, 0.1, f"mcp{k}"),
+        Ring(m, 0.1, -1, 0, 0.6),
+        Ring(m, 0.4, -1, 0, 0.5),
+        Ring(m, 0.8, -1, 0, 0.3),
+        Ring(m, 0.98, -1, 0, 0.1, f"mcp{k}"),
         Ring(p, 0.3, -1, 0, 0.2),
         Ring(p, 0.7, -1, 0, 0.1),
         Ring(p, 0.96, -1, 0, 0.1, f"pip{k}"),
@@ -92,11 +95,14 @@ def _extensors(k: int) -> list[Row]:
     own = {2: ("extensor of the index", "extensor_indicis"), 5: ("extensor of the little finger", "extensor_digiti_minimi")}
     if k in own:
         beside = (
-            Flat("forearm", -0.6, 0.3 * z - 0.1, False, 1.0),
+            Flat("forearm", -0.6, 0.3 * z - 0.1, False, 3.0),
+            Flat("forearm", -0.36, 0.3 * z - 0.1, False, 2.0),
             Flat("forearm", -0.15, 0.45 * z - 0.06, False, 0.6),
             Flat("carpus", 0.12, 0.6 * z - 0.06, False, 0.8),
+            Ring(m, 0.1, -1, -0.4, 0.6),
             Ring(m, 0.45, -1, -0.5, 0.6),
-            Ring(m, 0.94, -1, -0.4, 0.1, f"mcp{k}"),
+            Ring(m, 0.8, -1, -0.4, 0.3),
+            Ring(m, 0.98, -1, -0.3, 0.1, f"mcp{k}"),
             Ring(p, 0.28, -1, -0.15, 0.1),
         )
         rows.append((*own[k], 0.7, beside))
@@ -124,7 +130,8 @@ _THUMB: list[Row] = [
         "extensor_pollicis_longus",
         0.9,
         (
-            Flat("forearm", -0.6, 0.0, False, 1.2),
+            Flat("forearm", -0.6, 0.0, False, 3.0),
+            Flat("forearm", -0.36, 0.0, False, 2.0),
             Flat("forearm", -0.2, 0.1, False, 0.6),
             Flat("carpus", 0.08, 0.17, False, 1.6),
             Ring("metacarpal_1", 0.45, -1, -0.5, 0.8),
@@ -139,8 +146,9 @@ _THUMB: list[Row] = [
         "extensor_pollicis_brevis",
         0.7,
         (
-            Flat("forearm", -0.5, 0.16, False, 1.0),
-            Flat("forearm", -0.15, 0.22, False, 0.6),
+            Flat("forearm", -0.6, 0.16, False, 3.0),
+            Flat("forearm", -0.36, 0.16, False, 2.0),
+            Flat("forearm", -0.15, 0.18, False, 0.3),
             Ring("metacarpal_1", 0.08, -0.8, 1, 0.9),
             Ring("metacarpal_1", 0.5, -1, 0.4, 0.6),
             Ring("metacarpal_1", 0.95, -1, 0.2, 0.1, "mcp1"),
@@ -152,8 +160,9 @@ _THUMB: list[Row] = [
         "abductor_pollicis_longus",
         1.0,
         (
-            Flat("forearm", -0.5, 0.18, False, 0.8),
-            Flat("forearm", -0.15, 0.235, False, 0.0),
+            Flat("forearm", -0.6, 0.18, False, 3.0),
+            Flat("forearm", -0.36, 0.18, False, 2.0),
+            Flat("forearm", -0.15, 0.2, False, 0.0),
             Ring("metacarpal_1", 0.04, 0.0, 1, 0.8),
             Ring("metacarpal_1", 0.14, 0.3, 1, -0.6),
         ),
@@ -178,8 +187,8 @@ _WRIST: list[Row] = [
         (
             Flat("forearm", -0.6, 0.02, True, 9.0),
             Flat("forearm", -0.15, 0.03, True, 8.6),
-            Flat("carpus", 0.1, 0.03, True, 9.6),
-            Ring("metacarpal_3", 0.3, 1, 0, 8.6),
+            Flat("carpus", 0.1, 0.03, True, 11.0),
+            Ring("metacarpal_3", 0.3, 1, 0, 11.0),
         ),
     ),
     (
@@ -197,7 +206,8 @@ _WRIST: list[Row] = [
         "extensor_carpi_radialis_longus",
         1.2,
         (
-            Flat("forearm", -0.6, 0.18, False, 1.0),
+            Flat("forearm", -0.6, 0.18, False, 3.0),
+            Flat("forearm", -0.36, 0.18, False, 2.0),
             Flat("forearm", -0.12, 0.17, False, 0.5),
             Flat("carpus", 0.1, 0.14, False, 0.5),
             Ring("metacarpal_2", 0.04, -1, 0.4, -0.3),
@@ -208,7 +218,8 @@ _WRIST: list[Row] = [
         "extensor_carpi_radialis_brevis",
         1.2,
         (
-            Flat("forearm", -0.6, 0.13, False, 1.0),
+            Flat("forearm", -0.6, 0.13, False, 3.0),
+            Flat("forearm", -0.36, 0.13, False, 2.0),
             Flat("forearm", -0.12, 0.12, False, 0.5),
             Flat("carpus", 0.1, 0.08, False, 0.4),
             Ring("metacarpal_3", 0.04, -1, 0.3, -0.3),
@@ -219,7 +230,8 @@ _WRIST: list[Row] = [
         "extensor_carpi_ulnaris",
         1.3,
         (
-            Flat("forearm", -0.6, -0.2, False, 0.8),
+            Flat("forearm", -0.6, -0.2, False, 3.0),
+            Flat("forearm", -0.36, -0.2, False, 2.0),
             Flat("forearm", -0.12, -0.2, False, 0.4),
             Flat("carpus", 0.02, -0.2, False, 0.6),
             Ring("metacarpal_5", 0.06, -0.6, -1, -0.2),

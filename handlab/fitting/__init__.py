@@ -1,0 +1,1 @@
+"""A photograph becomes a hand: landmarks, calibration, alignment, warp, retargeting."""

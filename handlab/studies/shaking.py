@@ -1,0 +1,91 @@
+"""How many steps a frame of the spring skin needs: said before by the largest eigenvalue, and found out by trial.
+
+The prediction is ``Network.frequency``; a trial disturbs the resting skin by a nanometre and looks whether that grows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from handlab.anatomy.records import Array, frozen
+from handlab.physics.springs import largest_frequency, spring_tensor, stiffness_matrix
+from handlab.simulation.soft_frame import Anchors, advance, at_bind
+from handlab.simulation.soft_skin import Network, pair_tensor
+
+FRAME = 1.0 / 60.0  # s
+NUDGE = 1e-9  # m: so small that every spring is a straight line
+STEPS = 2500  # near the limit a disturbance needs many steps to show which way it goes
+GROWN = 10.0  # times the nudge
+
+
+def predicted(network: Network, frame: float = FRAME) -> float:
+    """Fewest leapfrog steps in ``frame`` seconds with which the skin is stable, not rounded: omega_max frame / 2."""
+    return 0.5 * frame * network.frequency
+
+
+def growth(network: Network, substeps: float, *, frame: float = FRAME, steps: int = STEPS) -> float:
+    """How many times larger a disturbance of the resting skin has become after ``steps`` steps of ``frame / substeps`` seconds.
+
+    ``substeps`` need not be a whole number. Infinite where the numbers overflowed.
+    """
+    if not substeps > 0.0:
+        raise ValueError(f"substeps is {substeps:g}; give a positive number of steps in a frame")
+    soft = at_bind(network)
+    nudge = NUDGE * np.random.default_rng(0).standard_normal(soft.position.shape)
+    turn = np.zeros((4, nudge.shape[1]))
+    turn[0] = 1.0
+    still = Anchors(soft.centre, np.ascontiguousarray(network.arm.T), turn)
+    with np.errstate(all="ignore"):
+        position, _ = advance(network, replace(soft, position=soft.position + nudge), still, steps * frame / substeps, steps=steps)
+        grown = float(np.abs(position - soft.position).max() / np.abs(nudge).max())
+    return grown if np.isfinite(grown) else float("inf")
+
+
+def grows(network: Network, substeps: float, *, frame: float = FRAME) -> bool:
+    """Whether the skin is unstable with so many steps in a frame."""
+    return growth(network, substeps, frame=frame) > GROWN
+
+
+def border(network: Network, *, frame: float = FRAME, part: float = 1e-3) -> float:
+    """The number of steps at which stability begins, by trial alone: halved between 1 and a number that is stable, to ``part`` of itself."""
+    low, high = 1.0, 2.0
+    while grows(network, high, frame=frame):
+        low, high = high, 2.0 * high
+    while high - low > part * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if grows(network, middle, frame=frame) else (low, middle)
+    return 0.5 * (low + high)
+
+
+def stiffness(network: Network) -> Any:
+    """K (3 n, 3 n) N/m, sparse, of the resting net: how the forces on all nodes change with their places, x y z of node 0 first."""
+    edges = np.stack([network.first, network.second], axis=1).astype(np.int64)
+    way = network.points[edges[:, 1]] - network.points[edges[:, 0]]
+    columns = pair_tensor(network.points - network.centre, network.arm, network.hold)
+    matrix: Any = stiffness_matrix(len(network.points), edges, spring_tensor(way, network.stiffness, network.rest), columns)
+    return matrix.tocsr()
+
+
+def worst_pattern(network: Network) -> Array:
+    """How far (n, 3) every node swings in the fastest swing of the net, the farthest by 1: the pattern that explodes first."""
+    from scipy.sparse import diags
+    from scipy.sparse.linalg import eigsh
+
+    root = np.sqrt(np.repeat(network.mass, 3))
+    scale = diags(1.0 / root)
+    start = np.cos(np.arange(len(root)))  # the same every time
+    vector = eigsh((scale @ stiffness(network) @ scale).tocsr(), k=1, which="LA", v0=start)[1][:, 0]
+    swing: Array = (vector / root).reshape(-1, 3)
+    return swing / np.linalg.norm(swing, axis=1).max()
+
+
+def with_mass(network: Network, mass: ArrayLike) -> Network:
+    """The same springs with other masses (n,) kg, and the frequency that goes with them."""
+    new = np.asarray(mass, dtype=np.float64)
+    if new.shape != network.mass.shape or not (np.isfinite(new).all() and (new > 0.0).all()):
+        raise ValueError(f"mass has shape {new.shape}; give {len(network.mass)} positive masses in kg, such as 2 * network.mass")
+    return replace(network, mass=frozen(new), inverse_mass=frozen(1.0 / new), frequency=largest_frequency(stiffness(network), new))
