@@ -103,7 +103,7 @@ def with_numpy(
 
 
 def in_mujoco(network: Network, folder: Path) -> Callable[[int], None] | None:
-    """Steps of MuJoCo with the same mesh as an elastic flex membrane, no contact, no gravity; None without MuJoCo."""
+    """Steps of MuJoCo with the same mesh as an elastic flex sheet that resists stretching and bending, no contact, no gravity; None without MuJoCo."""
     try:
         import mujoco
     except ImportError:
@@ -112,7 +112,7 @@ def in_mujoco(network: Network, folder: Path) -> Callable[[int], None] | None:
     faces = " ".join(str(k) for k in network.faces.ravel())
     xml = f"""<mujoco><option timestep="1e-5" gravity="0 0 0" solver="CG"><flag contact="disable"/></option><size memory="200M"/>
     <worldbody><flexcomp name="skin" type="direct" dim="2" point="{points}" element="{faces}" mass="{network.mass.sum():.6f}" radius="0.0005">
-    <contact selfcollide="none"/><edge equality="false"/><elasticity young="{network.young:g}" poisson="0.33" thickness="0.0015" elastic2d="stretch"/>
+    <contact selfcollide="none"/><edge equality="false"/><elasticity young="{network.young:g}" poisson="0.33" thickness="0.0015" elastic2d="both"/>
     </flexcomp></worldbody></mujoco>"""
     try:
         model = mujoco.MjModel.from_xml_string(xml)

@@ -101,7 +101,7 @@ def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], readi
         feature_points=Named("feature point", geometry["feature_points"]),
         bind=frozen(bind),
         fibre_rest=frozen(own.get("fibre_rest_rad", tables.fibre_rest("flat" if printed else "relaxed"))),
-        relaxed=frozen(settings.get("relaxed_rad", tables.fibre_rest("relaxed"))),
+        relaxed=frozen(own.get("relaxed_rad", tables.fibre_rest("flat" if printed else "relaxed"))),
         stiffness=frozen(own.get("stiffness", np.zeros(len(flat)) if printed else found.stiffness)),
         friction=frozen(own.get("friction", np.full(len(flat), printed_friction()) if printed else found.friction)),
         capsule=_capsule(own["capsule"]) if "capsule" in own else None if printed else found.capsule,

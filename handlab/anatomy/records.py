@@ -97,7 +97,8 @@ class Hand:
     moving coordinates as in ``moving_names`` (23), rigid bodies as in ``body_names`` (19, parents first).
 
     Fibres have their rest length at ``fibre_rest`` (dof,) rad. Passive structures: springs of ``stiffness`` (dof,) about
-    ``relaxed`` (dof,), ``friction`` (dof,), ``capsule`` (None: hard limits), ``collateral`` ligaments of the finger MCP joints.
+    ``relaxed`` (dof,) (in the printed reading the straight hand), ``friction`` (dof,), ``capsule`` (None: hard limits),
+    ``collateral`` ligaments of the finger MCP joints.
     ``growth``: how muscles differ from the tables in a hand of another size (None: not at all; see ``growth.grown``).
     """
 

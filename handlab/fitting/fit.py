@@ -62,7 +62,7 @@ def fit_points(
     try:
         picture = picture_mm(px, scale.mm_per_px)
         if not sure:
-            plausible.require_size(names, picture)
+            plausible.require_size(hand, names, picture)
         own, concluded = conclude(hand, names, picture, view=view, side=side, mirror=mirror)
         flip = np.array([-1.0, 1.0]) if mirror else np.ones(2)
         picture = picture * flip

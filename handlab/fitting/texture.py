@@ -18,7 +18,7 @@ from handlab.fitting.outline import Mask
 from handlab.fitting.pictures import Picture
 from handlab.fitting.raster import foremost, pixels
 
-SIZE = 1024  # texels on each side of the atlas
+SIZE = 2048  # texels on each side of the atlas
 SQUARE, GRAZING = 0.45, 0.15  # cosine to the camera above which a texel is trusted fully, below which not at all
 IN_FRONT = 0.002  # metres: a surface this far behind what covers its pixel is hidden
 RIM_PX = 3.0  # pixels inside the hand's outline in the picture that show some of the background
@@ -53,12 +53,14 @@ def project_texture(
     """
     shape = picture.shape[:2]
     if len(points_px) != len(skin.points) or len(height) != len(skin.points):
-        raise ValueError(f"there are {len(skin.points)} points of skin, but {len(points_px)} places in the picture and {len(height)} heights")
+        raise ValueError(
+            f"there are {len(skin.points)} points of skin, but {len(points_px)} places in the picture and {len(height)} heights"
+        )
     row, column, triangle, share = pixels(skin.texture * size, skin.faces, (size, size))
     corners = skin.faces[triangle]
     place = (share[:, :, None] * points_px[corners]).sum(axis=1)
     level = (share * height[corners]).sum(axis=1)
-    trust = _facing(skin, points_px, height)[triangle]
+    trust = _facing(skin, height)[triangle]
     inside = (place[:, 0] >= 0) & (place[:, 0] < shape[1]) & (place[:, 1] >= 0) & (place[:, 1] < shape[0])
     at = np.clip(place[:, ::-1].astype(np.int64), 0, np.array(shape) - 1)
     _, front = foremost(points_px, height, skin.faces, (shape[0], shape[1]))
@@ -77,26 +79,15 @@ def project_texture(
     return Texture(_bled(sheet, covered, mean), seen, covered)
 
 
-def _facing(skin: FineSkin, points_px: Array, height: Array) -> Array:
-    """How squarely each triangle (M,) faces the camera, 0 to 1. Triangles are counter-clockwise seen from outside."""
+def _facing(skin: FineSkin, height: Array) -> Array:
+    """How far each triangle (M,) faces the camera squarely enough to be trusted, 0 to 1; ``height`` grows towards the camera."""
     a, b, c = (skin.points[skin.faces[:, i]] for i in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    p, q, r = (points_px[skin.faces[:, i]] for i in range(3))
-    seen = -((q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0])  # rows grow downwards: outside is clockwise negative
-    px_per_m = np.sqrt(np.abs(seen).sum() / max(float(_flat_area(skin, height, area)), 1e-30))
-    cosine = seen / np.maximum(area * px_per_m**2, 1e-30)
+    normal = np.cross(b - a, c - a)
+    towards = np.linalg.lstsq(np.c_[skin.points, np.ones(len(skin.points))], height, rcond=None)[0][:3]
+    cosine = normal @ towards / np.maximum(np.linalg.norm(normal, axis=1) * np.linalg.norm(towards), 1e-30)
     x = np.clip((cosine - GRAZING) / (SQUARE - GRAZING), 0.0, 1.0)
     result: Array = x * x * (3 - 2 * x)
     return result
-
-
-def _flat_area(skin: FineSkin, height: Array, area: Array) -> float:
-    """Twice the area that the triangles have when looked at along the direction in which ``height`` grows."""
-    a, b, c = (skin.points[skin.faces[:, i]] for i in range(3))
-    normal = np.cross(b - a, c - a)
-    solve = np.linalg.lstsq(np.c_[skin.points, np.ones(len(skin.points))], height, rcond=None)[0][:3]
-    direction = solve / max(float(np.linalg.norm(solve)), 1e-30)
-    return float(np.abs(normal @ direction).sum()) or float(area.sum())
 
 
 def _well_inside(hand: Mask) -> Array:

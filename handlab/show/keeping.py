@@ -52,7 +52,7 @@ class KeepingHand(MovingHand):
         if self._recording is None:
             raise ValueError("nothing is being recorded; press record, move muscles, press it again")
         self._recording = None
-        self.own[MINE] = keepsakes.recorded(self.hand, self._history, MINE)
+        self.own[MINE] = keepsakes.recorded(self.hand, self._history, MINE, **self._worn)
         self._replies.append({"kind": "clips", "clips": self.clips()})
         self._open(MINE)
         self._status()
@@ -79,6 +79,7 @@ class KeepingHand(MovingHand):
             self._leave()
             self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, found.hold, AWAKE
             self._history.clear()
+            self.wardrobe.drop()
             self._answer(f"loaded the pose {file!r}")
         self._status()
 

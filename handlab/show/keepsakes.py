@@ -74,12 +74,12 @@ def keys_of(time: Array, contraction: Array, hand: Hand, name: str) -> KeyFrames
     return KeyFrames(frozen(time), frozen(np.clip(contraction, 0.0, 1.0)), frozen(all_keys, bool), hand.muscle_names, name, name)
 
 
-def again(clip: Clip, hold: Iterable[str]) -> Clip:
-    """The motion that the contractions of a clip give while joints are held."""
+def again(clip: Clip, hold: Iterable[str], muscles: str = "both") -> Clip:
+    """The motion that the contractions of a clip give while joints are held, or with other ``muscles``."""
     if len(clip.time) < 2:
         return clip
     keys = keys_of(clip.time - clip.time[0], clip.contraction, clip.hand, clip.name)
-    return simulate(clip.hand, keys, hold=hold, start=clip.states[0], muscles=clip.muscles)
+    return simulate(clip.hand, keys, hold=hold, start=clip.states[0], muscles=muscles)
 
 
 def single(hand: Hand, time: float, contraction: Array, angle: Array, skin: Array | None = None, **how: str) -> Clip:

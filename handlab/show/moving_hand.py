@@ -69,8 +69,13 @@ class MovingHand:
         """Let the next tick give a frame, though nothing moves."""
         self._stale = True
 
+    def ready(self) -> None:
+        """``prepare`` has run: show the soft skin."""
+        self._status()
+        self.refresh()
+
     def prepare(self) -> None:
-        """Make the soft skin ready: a second or two, on any thread. Then ``refresh``."""
+        """Make the soft skin ready: a second or two, on any thread. Call ``ready`` afterwards, where ``tick`` is called."""
         from handlab.show.flesh import packed_layers
 
         self.wardrobe.prepare()
@@ -188,12 +193,12 @@ class MovingHand:
         self._awake = AWAKE
         self._status()
 
-    def _open(self, name: str, *, again: bool = False) -> None:
+    def _open(self, name: str) -> None:
         name = find(name, [*clips(), *self.own], kind="clip")
         source = self.own.get(name)
         if isinstance(source, Clip):
-            resimulated = again or bool(self.hold)
-            self.clip = keepsakes.again(source, self.hold) if resimulated and self.hold else source
+            used = self.wardrobe.muscles
+            self.clip = keepsakes.again(source, self.hold, used) if self.hold or used != source.muscles else source
         else:
             keys = keyframes(name) if source is None else source
             self.clip = simulate(self.hand, keys, hold=self.hold, muscles=self.wardrobe.muscles)
@@ -233,7 +238,7 @@ class MovingHand:
     def _again(self) -> None:
         """Open the clip that is open once more, at the same moment."""
         time, playing = self.clip_time, self.playing
-        self._open(self.clip_name, again=True)
+        self._open(self.clip_name)
         self.clip_time, self.playing = min(time, self._seconds), playing
 
 

@@ -1,8 +1,9 @@
-"""The picture on which a muscle is painted: a hand that can be turned, the grid in blue, influenced skin points as green dots (Figure 4)."""
+"""The picture to paint a muscle on: a hand that turns, the grid in blue, influenced skin points as green dots (Figure 4)."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from math import radians, tan
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand
 from handlab.anatomy.terms import find
-from handlab.physics.rotation import rotation_matrix
+from handlab.physics.distance import closest
 from handlab.show.colours import BLUE, GREEN, VERMILION
 from handlab.show.gl import pyvista
 from handlab.show.muscle_layer import GRID_ABOVE, MuscleLayer
@@ -19,7 +20,8 @@ from handlab.show.painting import Painting
 from handlab.show.scene import Picture, Scene
 from handlab.show.views import LENS_DEG, Camera, camera, view_name
 from handlab.simulation.geometric_kernel import first_hit
-from handlab.simulation.grid_rows import finer_points, on_skin
+from handlab.simulation.grid_rows import finer_points
+from handlab.simulation.kinematics import rotation
 from handlab.simulation.muscle_fit import checked_skin
 
 SKINS = ("translucent", "solid", "mesh")
@@ -61,7 +63,7 @@ class PaintPicture:
     def turn(self, dx: float, dy: float) -> None:
         """Turn the hand as if it were dragged by fractions of the picture, to the right and downwards."""
         eye = self.camera
-        both = rotation_matrix(eye.up, -TURN * dx) @ rotation_matrix(eye.right, -TURN * dy)
+        both = (rotation(eye.up, np.zeros(3), -TURN * dx) @ rotation(eye.right, np.zeros(3), -TURN * dy))[:3, :3]
         to_eye, up, right = both @ eye.to_eye, both @ eye.up, both @ eye.right
         self.camera = Camera(to_eye, up, right, eye.focus, eye.distance)
 
@@ -111,9 +113,9 @@ class PaintPicture:
         self._draw_muscle(scene, painting, contraction)
         lines = self._lines(painting)
         self._replace("grid", lines, color=BLUE if painting.problem is None else VERMILION, line_width=4)
-        dots = None if painting.result is None else self.hand.skin.points[painting.result.influenced]
-        above = None if dots is None else dots + GRID_ABOVE * checked_skin(self.hand)[painting.result.influenced]  # type: ignore[union-attr]
-        cloud = None if above is None or not len(above) else pyvista().PolyData(above)
+        found: Any = [] if painting.result is None else painting.result.influenced
+        dots = self.hand.skin.points[found] + GRID_ABOVE * checked_skin(self.hand)[found] if len(found) else None
+        cloud = None if dots is None else pyvista().PolyData(dots)
         self._replace("influenced points", cloud, color=GREEN, point_size=9, render_points_as_spheres=True)
         return scene.picture()
 
@@ -161,16 +163,15 @@ class PaintPicture:
         if not ways:
             return None
         share = np.linspace(0.0, 1.0, CHORD, endpoint=False)[:, None]
-        fine = [np.concatenate([*(a + share * (b - a) for a, b in zip(way[:-1], way[1:], strict=True)), way[-1:]]) for way in ways]
+        fine = [np.concatenate([*(a + share * (b - a) for a, b in pairwise(way)), way[-1:]]) for way in ways]
         points = self._lifted(np.concatenate(fine))
         begin = np.cumsum([0, *(len(way) for way in fine[:-1])])
         lines = [np.concatenate([[len(way)], start + np.arange(len(way))]) for start, way in zip(begin, fine, strict=True)]
         return pyvista().PolyData(points, lines=np.concatenate(lines))
 
     def _lifted(self, points: Array) -> Array:
-        place = on_skin(self.hand, points)
-        nearest = np.linalg.norm(self._corners.mean(axis=1)[None] - place[:, None], axis=2).argmin(axis=1)
-        up = checked_skin(self.hand)[self.hand.skin.faces[nearest]].mean(axis=1)
+        _, triangle, place = closest(np.ascontiguousarray(points), self._corners)
+        up = checked_skin(self.hand)[self.hand.skin.faces[triangle]].mean(axis=1)
         result: Array = place + GRID_ABOVE * up
         return result
 

@@ -95,7 +95,7 @@ class Painting:
         self._fit()
 
     def _checked(self, wanted: Settings) -> Settings:
-        """The settings in their final form, tried on a grid of two rows that lies nowhere."""
+        """The settings in their final form, tried on a grid that lies nowhere in particular."""
         columns, finer = int(wanted.columns), int(wanted.finer)
         if not 2 <= columns <= MOST_COLUMNS:
             raise ValueError(f"columns is {wanted.columns}; a row has 2 to {MOST_COLUMNS} points")
@@ -108,20 +108,20 @@ class Painting:
         bones = (wanted.bones,) if isinstance(wanted.bones, str | Mapping) else tuple(wanted.bones or ())
         named: list[Row] = []
         for row in bones:
-            shares = {} if row is None else {row: 1.0} if isinstance(row, str) else dict(row)
-            known = {find(name, self.hand.bones, kind="bone"): share for name, share in shares.items()}
-            named.append(next(iter(known)) if len(known) == 1 else known or None)
+            shares = {} if row is None else {row: 1.0} if isinstance(row, str) else row
+            known = {find(name, self.hand.bones, kind="bone"): float(share) for name, share in shares.items()}
+            named.append(None if not known else next(iter(known)) if len(known) == 1 else known)
         drive = self.hand.muscles[wanted.drive].name
-        probe = "metacarpal_1"
+        carried: list[Any] = [next(iter(self.hand.bones)) if row is None else row for row in (*named, None, None)]
         for value in depth:
             MuscleGrid(
                 name=wanted.name,
                 drives=(drive,),
-                triangle=np.zeros((2, 2), dtype=np.int64),
-                barycentric=np.full((2, 2, 3), 1.0 / 3.0),
+                triangle=np.zeros((len(carried), 2), dtype=np.int64),
+                barycentric=np.full((len(carried), 2, 3), 1.0 / 3.0),
                 thickness=(thickness[0] / 1e3, thickness[1] / 1e3),
                 skin_distance=np.array(value / 1e3),
-                bones=[probe if row is None else row for row in (*named[:1], *named[-1:])] if named else probe,  # type: ignore[arg-type]
+                bones=tuple(carried),
                 sources=(),
             )
         return replace(

@@ -24,42 +24,47 @@ Messages, client to host (``n``, a number that the next frame echoes, may stand 
 ``record``  ``on``: the motion from ``true`` to ``false`` becomes the clip ``my clip``
 ``save``    ``what: "pose" | "clip"``: answered by a ``file``
 ``load``    ``text`` (a pose or a clip that was saved), ``name`` of the file
-``export``  ``format: "mp4" | "gif" | "glb" | "html" | "csv" | "png"``, ``look: {view, skin, bones}``; becomes a wish
+``export``  ``format: "mp4" | "gif" | "glb" | "html" | "csv" | "png"``, ``look: {view, skin, bones, layers}``; becomes a wish
+``wear``    ``skin: "blend" | "springs" | "springs and muscles"``, ``muscles: "both" | "pseudo" | "geometric"`` (both optional)
+``layers``  from now on frames tell where the geometric muscles are; answered by ``layers``
 ==========  ==========================================================================================================
 
 Replies, host to client: ``status`` (after every change: ``clip``, ``title``, ``seconds``, ``playing``, ``speed``, ``loop``,
-``hold``, ``recording``), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
+``hold``, ``recording``, ``wear``, ``muscles``, and ``soft``: whether springs can be worn yet), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
 ``file`` (``name``, ``mime``, and ``text`` or ``data``), ``track`` (``clip``, ``seconds``, ``data``: the curves of a clip that was
-opened, see ``keepsakes.track``).
+opened, see ``keepsakes.track``), ``layers`` (``data``: what stays of muscles and tendons, see ``flesh``).
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
 from handlab.anatomy.records import Hand
 from handlab.anatomy.terms import find
 from handlab.show import keepsakes, wire
-from handlab.show.moments import Story
-from handlab.show.moving_hand import AWAKE, MovingHand, speed_of
+from handlab.show.keeping import FORMATS as FORMATS
+from handlab.show.keeping import MINE as MINE
+from handlab.show.keeping import KeepingHand
+from handlab.show.keeping import Wish as Wish
+from handlab.show.moving_hand import AWAKE, speed_of
+from handlab.show.wardrobe import BLEND
 from handlab.simulation.clip import Clip
-from handlab.simulation.keyframes import KeyFrames, clips
+from handlab.simulation.keyframes import clips
 from handlab.simulation.skeleton import contraction_of, number
 from handlab.simulation.state import State
 
 MOST_REPLIES = 32
-MINE = "my clip"
 
 
 class Session(KeepingHand):
     """One hand that any number of clients look at and move.
 
-    ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``skin_points``: send the points of the skin
-    (20 kB a frame) instead of letting the viewer blend them (1.6 kB); ``exports``: the formats that this host writes.
+    ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: as in ``simulate``, once the host
+    has called ``prepare``; a blended skin is left to the viewer (1.6 kB a frame), unless ``skin_points`` asks for its points too
+    (10.6 kB, as a soft skin; 16 kB with muscles); ``exports``: the formats that this host writes.
     """
 
     def __init__(
@@ -69,13 +74,15 @@ class Session(KeepingHand):
         *,
         contraction: Mapping[str, float] | Any = (),
         hold: Iterable[str] = (),
+        wear: str = BLEND,
+        muscles: str = "both",
         skin_points: bool = False,
         exports: Iterable[str] = FORMATS,
     ) -> None:
         self.exports = tuple(exports)
         self._replies: deque[dict[str, Any]] = deque(maxlen=MOST_REPLIES)
         self._wishes: deque[Wish] = deque(maxlen=4)
-        super().__init__(hand, skin_points=skin_points)
+        super().__init__(hand, wear=wear, muscles=muscles, skin_points=skin_points)
         self.hold = keepsakes.held(hand, hold)
         if contraction is not None and len(contraction):
             self.contraction = contraction_of(hand, contraction)
@@ -94,11 +101,6 @@ class Session(KeepingHand):
         if self.clip is not None:
             self._tell_track()
         return wire.scene(self.hand, shown_clips=self.clips(), exports=self.exports)
-
-    def clips(self) -> list[dict[str, Any]]:
-        """Clips that can be played: the package's, then the user's."""
-        own = [{"name": name, "title": name, "seconds": float(clip.time[-1] - clip.time[0])} for name, clip in self.own.items()]
-        return [*(clip for clip in wire.named_clips() if clip["name"] not in self.own), *own]
 
     def replies(self) -> list[dict[str, Any]]:
         """What is to be told to the clients since the last call."""
@@ -143,6 +145,9 @@ class Session(KeepingHand):
             "loop": self.loop,
             "hold": list(self.hold),
             "recording": self._recording is not None,
+            "wear": self.wardrobe.wear,
+            "muscles": self.wardrobe.muscles,
+            "soft": self.wardrobe.network is not None,
         }
         for old in [reply for reply in self._replies if reply["kind"] == "status"]:
             self._replies.remove(old)  # the latest one wins
@@ -168,9 +173,7 @@ class Session(KeepingHand):
         self.hold = keepsakes.held(self.hand, joints)
         self._awake = AWAKE
         if self.clip is not None:
-            time, playing = self.clip_time, self.playing
-            self._open(self.clip_name, again=True)
-            self.clip_time, self.playing = min(time, self._seconds), playing
+            self._again()
         self._status()
 
     def _play(self, message: Mapping[str, Any]) -> None:
@@ -191,6 +194,13 @@ class Session(KeepingHand):
             self._replies.remove(old)
         if self.clip is not None:
             self._replies.append({"kind": "track", "clip": self.clip_name, "seconds": self._seconds, "data": keepsakes.track(self.clip)})
+
+    def _layers(self, message: Mapping[str, Any]) -> None:
+        from handlab.show.flesh import packed_layers
+
+        self.segments = True
+        self._replies.append({"kind": "layers", "data": packed_layers(self.hand)})
+        self._stale = True
 
     def _pause(self, message: Mapping[str, Any]) -> None:
         self.playing = False
@@ -231,4 +241,6 @@ ACTS = {
     "save": Session._save,
     "load": Session._load,
     "export": Session._export,
+    "wear": Session._wear,
+    "layers": Session._layers,
 }

@@ -6,13 +6,16 @@ says ``{name: [dtype, shape, byte offset in the block]}``; the rest of the text 
 Frame: words of four bytes.
 
 ====================  ==============================================================================================
-0                     uint32 kind: 1 = bodies, 2 = bodies and skin points
+0                     uint32 kind: 1 = bodies, + 2 = points of the skin, + 4 = segments of the geometric muscles
 1                     uint32 flags: 1 = something moves, 2 = a clip plays, 4 = a clip is loaded
 2                     uint32 echo: number of the newest message that this frame answers
 3                     float32 time: of the clip, or of the live hand, seconds
 4                     float32 length of the clip in seconds, 0 while the hand is live
 5 ...                 float32 contraction (42), angle (31) rad, fibre_length (42) m, force (42) N,
-                      transforms (19, 3, 4) that move the stored meshes; for kind 2 then skin points (N, 3) m
+                      transforms (19, 3, 4) that move the stored meshes
+kind 2                int16 skin points (N, 3) in ``UNIT``, padded to four bytes
+kind 4                int16 for every segment: centre (3) in ``UNIT``, quaternion w x y z (4) in 1 / 32767, half-axes (3) in
+                      ``HALF_UNIT``
 ====================  ==============================================================================================
 """
 
@@ -29,12 +32,14 @@ from handlab.anatomy.records import Array, Hand
 from handlab.anatomy.terms import FINGERS
 from handlab.show.muscle_panel import newton_note, regions
 from handlab.show.views import DIRECTIONS, LENS_DEG, directions
+from handlab.simulation.geometric_muscle import Ellipsoids
 from handlab.simulation.keyframes import clips, keyframes
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import binding
 
-BODIES, BODIES_AND_SKIN = 1, 2
+BODIES, SKIN, SEGMENTS = 1, 2, 4
+UNIT, HALF_UNIT = 1e-5, 1e-6  # m: a hand reaches less than 32 cm from its wrist, a muscle is less than 6 cm thick
 MOVING, PLAYING, CLIP = 1, 2, 4
 HEAD_WORDS = 5
 
@@ -63,6 +68,7 @@ def describe(hand: Hand) -> dict[str, Any]:
         "newton_per_percent": hand.newton_per_percent,
         "newton_note": newton_note(hand),
         "lens_deg": LENS_DEG,
+        "unit": UNIT,
         "views": {name: [part.tolist() for part in directions(hand, name)[:2]] for name in DIRECTIONS},
         "regions": [{"name": name, "colour": tint} for name, tint in colour.items()],
         "muscles": [
@@ -177,8 +183,9 @@ def frame(
     echo: int = 0,
     seconds: float = 0.0,
     skin: Array | None = None,
+    segments: Ellipsoids | None = None,
 ) -> bytes:
-    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them."""
+    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them. ``segments`` of the muscles, if they are seen."""
     parts = [
         np.array([time, seconds]),
         contraction,
@@ -186,7 +193,31 @@ def frame(
         fibre_length,
         force,
         relative_transforms(hand, angle)[:, :3].ravel(),
-        *([] if skin is None else [np.asarray(skin).ravel()]),
     ]
-    head = struct.pack("<III", BODIES if skin is None else BODIES_AND_SKIN, flags, echo & 0xFFFFFFFF)
-    return head + np.concatenate(parts).astype("<f4").tobytes()
+    kind = BODIES | SKIN * (skin is not None) | SEGMENTS * (segments is not None)
+    text = struct.pack("<III", kind, flags, echo & 0xFFFFFFFF) + np.concatenate(parts).astype("<f4").tobytes()
+    if skin is not None:
+        text += whole(skin / UNIT)
+        text += b"\0" * (-len(text) % 4)
+    if segments is not None:
+        table = [segments.centre / UNIT, 32767 * quaternions(segments.frame), segments.half / HALF_UNIT]
+        text += whole(np.concatenate(table, axis=1))
+    return text
+
+
+def whole(values: Array) -> bytes:
+    """Numbers rounded to int16; what does not fit stays at the end of the range."""
+    return np.clip(np.rint(values), -32767, 32767).astype("<i2").tobytes()
+
+
+def quaternions(frame: Array) -> Array:
+    """Unit quaternions (n, 4), w x y z, of rotations (n, 3, 3): the heaviest row of q q', so that no root is taken of little."""
+    a, b, c = frame[:, 0], frame[:, 1], frame[:, 2]
+    x, y, z = a[:, 0], b[:, 1], c[:, 2]
+    p, q, r = c[:, 1] - b[:, 2], a[:, 2] - c[:, 0], b[:, 0] - a[:, 1]
+    d, e, f = a[:, 1] + b[:, 0], a[:, 2] + c[:, 0], b[:, 2] + c[:, 1]
+    rows = [[1 + x + y + z, p, q, r], [p, 1 + x - y - z, d, e], [q, d, 1 - x + y - z, f], [r, e, f, 1 - x - y + z]]
+    square = np.array(rows).transpose(2, 0, 1)
+    heaviest = square[np.arange(len(square)), np.einsum("nkk->nk", square).argmax(axis=1)]
+    result: Array = heaviest / np.linalg.norm(heaviest, axis=1, keepdims=True)
+    return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,7 +50,7 @@ def finer_points(hand: Hand, points: ArrayLike, finer: int) -> Array:
     from scipy.interpolate import make_interp_spline
 
     at = np.concatenate([[0.0], np.cumsum(steps)])
-    wanted = np.concatenate([np.linspace(a, b, finer, endpoint=False) for a, b in zip(at[:-1], at[1:], strict=True)] + [at[-1:]])
+    wanted = np.concatenate([np.linspace(a, b, finer, endpoint=False) for a, b in pairwise(at)] + [at[-1:]])
     curve = make_interp_spline(at, painted, k=min(3, len(at) - 1))(wanted)
     return on_skin(hand, curve)
 
@@ -64,7 +65,7 @@ def finer_values(values: ArrayLike, finer: int) -> Array:
 def finer_bones(bones: Sequence[Carriers], finer: int) -> tuple[Carriers, ...]:
     """Bones with shares for the rows of ``finer_points``: a row between two others follows the bones of both, at most two."""
     made: list[Carriers] = []
-    for one, other in zip(bones[:-1], bones[1:], strict=True):
+    for one, other in pairwise(bones):
         for k in range(finer):
             part = k / finer
             mixed = {name: (1.0 - part) * one.get(name, 0.0) + part * other.get(name, 0.0) for name in {**one, **other}}

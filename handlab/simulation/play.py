@@ -102,7 +102,7 @@ def path(
     """Moving coordinates and speeds (T, moving) at ``time`` (T,)."""
     m = mechanics(hand)
     held = held_coordinates(hand, hold)
-    y = m.rest_y if start is None else start.angle[m.moving]
+    y = m.relaxed if start is None else start.angle[m.moving]
     speed = np.zeros(len(y)) if start is None else start.speed[m.moving]
     out_y, out_speed = np.empty((len(time), len(y))), np.empty((len(time), len(y)))
     at = np.minimum(time / laws.substep, substeps)

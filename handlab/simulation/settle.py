@@ -62,6 +62,9 @@ def settle(
     values, held = contraction_of(hand, contraction), held_coordinates(hand, hold)
     laws = Laws(gravity=gravity)
     begin = rest(hand) if start is None else start
+    shape = (len(hand.dof_names),)
+    if not isinstance(begin, State) or begin.angle.shape != shape or not np.isfinite([*begin.angle, *begin.speed]).all():
+        raise ValueError(f"start is {start!r}; give a state of this hand with {shape[0]} finite angles, such as hl.pose(hand, ...)")
     moving = mechanics(hand).moving
     y, speed = np.array(begin.angle[moving]), np.array(begin.speed[moving])
     found = _rest(hand, y, speed, values, held, laws, begin.time)
@@ -118,7 +121,7 @@ def _newton(
         if np.abs(torque[free]).max(initial=0.0) < CLOSE:
             return y, free
         slope = tangent(hand, coupled(hand, y), values, gravity)[np.ix_(free, free)]
-        y[free] -= np.linalg.solve(slope, torque[free])
+        y[free] -= np.linalg.lstsq(slope, torque[free])[0]  # a joint that nothing holds has no slope at all; it stays where it is
         if not np.isfinite(y).all():
             break
     return None, free

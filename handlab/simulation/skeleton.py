@@ -111,8 +111,11 @@ def state_at(hand: Hand, y: Array, speed: Array, time: float) -> State:
 
 
 def rest(hand: Hand) -> State:
-    """The relaxed hand: every fibre at its resting length, nothing moves."""
-    y = mechanics(hand).rest_y
+    """The relaxed hand, ``hand.relaxed``: where its joints' springs are slack; nothing moves.
+
+    Fibres have their rest length there, unless ``hand.fibre_rest`` is another posture.
+    """
+    y = mechanics(hand).relaxed
     return state_at(hand, y, np.zeros(len(y)), 0.0)
 
 
@@ -122,7 +125,7 @@ def pose(hand: Hand, angles: Mapping[str, float]) -> State:
     Followers take the angle that their driver gives them. Raises ``ValueError`` for a follower, or an angle further outside its limits than
     the capsule gives (2 degrees).
     """
-    y, stop = np.array(mechanics(hand).rest_y), mechanics(hand).hard_stop
+    y, stop = np.array(mechanics(hand).relaxed), mechanics(hand).hard_stop
     limits = mechanics(hand).limits
     slack = 1e-9  # a limit that went through degrees and back is still the limit
     for name, value in angles.items():

@@ -31,13 +31,13 @@ from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
 Skin = Literal["blend", "springs", "springs and muscles"]
 SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
 
-LONGEST = 1.8  # times its rest length: no edge is longer at the end of a frame
+LONGEST = 1.9  # times its rest length: no edge is longer at the end of a frame
 LEAST_TURN = 0.1  # cosine between a triangle's normal and the carried one, below which it is turned back
 PART, PASSES, ROUNDS = 0.5, 8, 12  # how far, how often, at most how many rounds of all limits
-BONE_ROUNDS = 4  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
+BONE_ROUNDS = 10  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
 CENTRE_PASSES = 6
 # A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.
-COLUMN_POWER, COLUMN, COLUMN_REACH, COLUMN_PASSES = 1.0, (0.55, 1.5), 0.010, 3
+COLUMN_POWER, COLUMN, COLUMN_REACH, COLUMN_PASSES = 0.7, (0.6, 1.4), 0.010, 3
 LIFT = 0.012  # m: a node follows a muscle's surface by less than this
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
@@ -134,10 +134,10 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
     kernel.turned(quaternion, bound.index, bound.weight, turn)
     faults = 0
     for k in range(ROUNDS):
+        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
+        faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
         if k < BONE_ROUNDS:
             limits.out_of_bone(position, transforms, *pairs, *field)
-        faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
-        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
         if not long and not faults:
             break
     return faults
@@ -248,7 +248,7 @@ def frame(
 
 def first_frame(hand: Hand, network: Network, *, skin: Skin = SKINS[2]) -> Frame:
     """The relaxed hand, at rest."""
-    y = mechanics(hand).rest_y
+    y = mechanics(hand).relaxed
     return Frame(np.array(y), np.zeros(len(y)), begin(hand, network, coupled(hand, y), skin=skin))
 
 

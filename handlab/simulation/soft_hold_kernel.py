@@ -16,13 +16,13 @@ Node = NDArray[np.uint32]
 
 @compiled
 def unfold(position: Array, turn: Array, faces: Node, corner: Array, least: float, part: float, passes: int) -> int:
-    """Turn triangles back that have turned over, in place; returns how many were found in the last pass.
+    """Turn triangles back that have turned over, in place; returns how many were found, in all passes.
 
     A triangle has turned over when the cosine between its normal and its rest normal, carried by the mean of its corners' rotations
     ``turn`` (4, n), is below ``least``. Its corners then go ``part`` of the way to its rest shape ``corner`` (M, 9; three corners
     from its middle), carried likewise, about its middle: no momentum comes of it.
     """
-    bad = 0
+    found = 0
     for _ in range(passes):
         bad = 0
         for f in range(faces.shape[0]):
@@ -59,15 +59,17 @@ def unfold(position: Array, turn: Array, faces: Node, corner: Array, least: floa
                 position[0, v] += part * (mx + p - position[0, v])
                 position[1, v] += part * (my + q - position[1, v])
                 position[2, v] += part * (mz + r - position[2, v])
+        found += bad
         if bad == 0:
             break
-    return bad
+    return found
 
 
 @compiled
 def shorten(position: Array, first: Node, second: Node, longest: Array, passes: int) -> int:
-    """Pull the ends of edges together that are longer than ``longest`` (e,), in place; returns how many there were in the last pass."""
-    bad = 0
+    """Pull the ends of edges together that are longer than ``longest`` (e,), in place; returns how many
+    were found, in all passes."""
+    found = 0
     for _ in range(passes):
         bad = 0
         for e in range(first.shape[0]):
@@ -83,9 +85,10 @@ def shorten(position: Array, first: Node, second: Node, longest: Array, passes: 
                 position[0, j] -= g * x
                 position[1, j] -= g * y
                 position[2, j] -= g * z
+        found += bad
         if bad == 0:
             break
-    return bad
+    return found
 
 
 @compiled

@@ -179,9 +179,8 @@ def lifted(
             sy += g * (centre_of[s, 1] + frame[s, 1, 0] * u + frame[s, 1, 1] * v + frame[s, 1, 2] * o - centre[1, i] - q)
             sz += g * (centre_of[s, 2] + frame[s, 2, 0] * u + frame[s, 2, 1] * v + frame[s, 2, 2] * o - centre[2, i] - r)
             t += 1
-        far = math.sqrt(sx * sx + sy * sy + sz * sz)
-        # a smooth limit: nothing near 0, never beyond ``most``
-        g = 1.0 / (1.0 + far / most)
+        # a smooth limit: next to nothing for a few millimetres, never beyond ``most``
+        g = 1.0 / math.sqrt(1.0 + (sx * sx + sy * sy + sz * sz) / (most * most))
         centre[0, i] += g * sx
         centre[1, i] += g * sy
         centre[2, i] += g * sz

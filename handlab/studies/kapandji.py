@@ -147,7 +147,7 @@ def _reach(hand: Hand, number: int, place: Place, start: dict[str, float]) -> tu
 
 def _at_ease(hand: Hand) -> Array:
     """Moving coordinates of the hand at the test: relaxed, the fingers a little flexed."""
-    y = np.array(mechanics(hand).rest_y)
+    y = np.array(mechanics(hand).relaxed)
     for k in range(2, 6):
         for joint, degrees in AT_EASE.items():
             y[hand.moving_names.index(f"{joint}{k}.flexion_extension")] = np.deg2rad(degrees)

@@ -5,6 +5,7 @@ Nothing here has been warped: the skin is the shape data's own, and so are PIP, 
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ CENTRES = (
     *(f"tip{k}" for k in range(1, 6)),
 )
 CHAINS = {1: ("cmc1", "mcp1", "ip1", "tip1")} | {k: (f"cmc{k}", f"mcp{k}", f"pip{k}", f"dip{k}", f"tip{k}") for k in range(2, 6)}
-BONES = tuple((near, far) for chain in CHAINS.values() for near, far in zip(chain, chain[1:], strict=False))
+BONES = tuple((near, far) for chain in CHAINS.values() for near, far in pairwise(chain))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,8 @@ def everyone():
         cage = stored["size"][i] * base + STEP * stored["delta"][i]
         centres = dict(zip(CENTRES, STEP * stored["centre"][i], strict=True))
         marks = {
-            view: dict(zip(reference.feature_points, STEP * stored["mark"][i, v], strict=True)) for v, view in enumerate(("palmar", "dorsal"))
+            view: dict(zip(reference.feature_points, STEP * stored["mark"][i, v], strict=True))
+            for v, view in enumerate(("palmar", "dorsal"))
         }
         people[name] = Person(name, float(stored["size"][i]), np.asarray(smooth @ cage), faces, centres, marks)
     return people
@@ -81,13 +83,15 @@ def reference_person():
 
 def bound_centres(hand):
     """Joint centres and tips of a hand in its bind posture; a tip is the last point of the skin along the distal phalanx."""
-    from handlab.simulation.kinematics import body_transforms
+    from handlab.simulation.kinematics import body_transforms, rotation
 
-    bodies = body_transforms(hand, hand.bind)
+    bodies = dict(zip(hand.body_names, body_transforms(hand, hand.bind), strict=True))
     centres = {}
     for name, joint in hand.joints.items():
-        moved = bodies[hand.body_names.index(hand.bones[joint.parent].body if joint.parent in hand.bones else joint.parent)]
-        centres[name] = moved[:3, :3] @ joint.centre + moved[:3, 3]
+        body = bodies[joint.parent]
+        if name == "cmc1":  # it lies distal of the thumb's first axis and turns about it
+            body = body @ rotation(joint.dofs[0].axis, joint.dofs[0].anchor, hand.bind[hand.dof_names.index(joint.dofs[0].name)])
+        centres[name] = body[:3, :3] @ joint.centre + body[:3, 3]
     for k, digit in enumerate(("thumb", "index", "middle", "ring", "little"), start=1):
         centres[f"tip{k}"] = hand.skin.points[hand.feature_points[f"tip_{digit}"]["palmar"]]
     return centres

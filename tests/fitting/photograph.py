@@ -52,7 +52,7 @@ def photograph(person, *, camera="pinhole", view="palmar", turn=0.0, ground="dar
     table = height.max() if camera == "flatbed" else height.min()  # a flatbed looks at what lies on the glass
     flat = np.stack([skin @ across, skin @ up], axis=1)
     beside = flat.min(axis=0) - np.array([0.022, 0.0])  # the ruler stands left of the hand, along it
-    ends = np.array([beside, beside + [0.0, 1e-3 * RULER_MM]])
+    ends = np.array([beside, beside + np.array([0.0, 1e-3 * RULER_MM])])
     middle = (flat.min(axis=0) + flat.max(axis=0)) / 2
 
     def project(plane, level):
@@ -62,13 +62,11 @@ def photograph(person, *, camera="pinhole", view="palmar", turn=0.0, ground="dar
         return centred * 1e3 * PX_PER_MM * [1.0, -1.0]
 
     seen, ruler = project(flat, height), project(ends, np.full(2, table + ruler_height))
-    corner = np.vstack([seen, ruler + [[-40, 30], [-40, -30]]])
+    corner = np.vstack([seen, ruler + np.array([[-40, 30], [-40, -30]])])
     shift = MARGIN_MM * PX_PER_MM - corner.min(axis=0)
     shape = tuple(np.ceil((corner + shift).max(axis=0) + MARGIN_MM * PX_PER_MM).astype(int)[::-1].tolist())
     seen, ruler = seen + shift, ruler + shift
-    places = {
-        name: project(np.array([[at @ across, at @ up]]), np.array([at @ towards]))[0] + shift for name, at in marks.items()
-    }
+    places = {name: project(np.array([[at @ across, at @ up]]), np.array([at @ towards]))[0] + shift for name, at in marks.items()}
     front, _ = foremost(seen, height, faces, shape)
     picture = np.tile(GROUNDS[ground], (*shape, 1))
     _draw_ruler(picture, ruler)

@@ -50,7 +50,7 @@ class Solver:
         """What is wrong with a posture, each entry about 1 when it matters."""
         angle = self.angles(y)
         degrees = dict(zip(self.names, np.degrees(y), strict=True))
-        rest = dict(zip(self.names, np.degrees(self.m.rest_y), strict=True))
+        rest = dict(zip(self.names, np.degrees(self.m.relaxed), strict=True))
         r: list[float] = []
         for name, value in degrees.items():
             low, high = posture.window.get(name, (-180, 180))
@@ -86,7 +86,7 @@ class Solver:
         low, high = self.limits[:, 0] + margin, self.limits[:, 1] - margin
         tries = []
         for other in posture.starts:
-            start = self.m.rest_y.copy()
+            start = self.m.relaxed.copy()
             for i, name in enumerate(self.names):
                 if name in {**posture.wish, **other}:
                     start[i] = np.radians({**posture.wish, **other}[name])

@@ -1,6 +1,8 @@
 // The hand in WebGL2: skin blended from bone motions, bones, two-pass translucency, camera, picking. No libraries.
 
-const FLOATS = { f4: Float32Array, u4: Uint32Array, u2: Uint16Array, u1: Uint8Array };
+import { Flesh } from "./flesh.js";
+
+const FLOATS = { f4: Float32Array, i2: Int16Array, u4: Uint32Array, u2: Uint16Array, u1: Uint8Array };
 
 // A scene as `wire.py` packs it: {names and numbers..., arrays: {name: typed array}}.
 export function unpackScene(buffer) {
@@ -32,11 +34,17 @@ export function unpackFrame(data, scene) {
   const m = scene.muscles.length, d = scene.dofs.length, b = scene.bodies.length;
   let at = 5;
   const take = (count) => words.subarray(at, (at += count));
+  const kind = head[0], whole = (count) => {
+    const taken = new Int16Array(bytes.buffer, bytes.byteOffset + 4 * at, count);
+    at += (count + 1) >> 1;
+    return taken;
+  };
   return {
     moving: (head[1] & 1) !== 0, playing: (head[1] & 2) !== 0, clip: (head[1] & 4) !== 0, echo: head[2],
     time: words[3], seconds: words[4], bytes: bytes.byteLength,
     contraction: take(m), angle: take(d), length: take(m), force: take(m), motion: take(12 * b),
-    skin: head[0] === 2 ? take(scene.arrays.skin_points.length) : null,
+    skin: kind & 2 ? whole(scene.arrays.skin_points.length) : null,
+    segments: kind & 4 ? whole((bytes.byteLength >> 1) - 2 * at) : null,
   };
 }
 
@@ -89,6 +97,11 @@ precision highp float;
 in vec3 n; in vec3 c; out vec4 pixel;
 ${STUDIO}
 void main() { pixel = vec4(studio(normalize(n), c, vec3(0.30, 0.24, 0.18), vec3(0.38, 0.34, 0.30), vec2(0.07, 0.08)), 1.0); }`;
+const FLESH_FRAGMENT = `#version 300 es
+precision highp float;
+in vec3 n; in vec3 c; out vec4 pixel;
+${STUDIO}
+void main() { pixel = vec4(studio(normalize(n), c, vec3(0.34, 0.16, 0.12), vec3(0.36, 0.28, 0.26), vec2(0.10, 0.16)), 1.0); }`;
 const SKY_VERTEX = `#version 300 es
 out float h;
 void main() { vec2 p = vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2)); h = p.y; gl_Position = vec4(p * 2.0 - 1.0, 0.9999, 1.0); }`;
@@ -200,8 +213,10 @@ export class Hand3D {
   constructor(canvas, scene, look = {}) {
     this.canvas = canvas;
     this.scene = scene;
-    this.look = { skin: "solid", bones: true, view: "palm", ...look };
-    this.hot = { bone: -1, part: -1 };
+    this.look = { skin: "solid", bones: true, view: "palm", muscles: false, tendons: false, ...look };
+    this.hot = { bone: -1, part: -1, flesh: -1 };
+    this.flesh = null;
+    this.segments = null; // the newest that came
     this.drawn = 0;
     const A = scene.arrays;
     this.coarse = new Float32Array(A.skin_points);
@@ -228,6 +243,7 @@ export class Hand3D {
     this.software = /swiftshader|llvmpipe|software/i.test(this.renderer);
     this.programs = {
       skin: program(gl, SKIN_VERTEX, SKIN_FRAGMENT), bone: program(gl, BONE_VERTEX, BONE_FRAGMENT), sky: program(gl, SKY_VERTEX, SKY_FRAGMENT),
+      flesh: program(gl, SKIN_VERTEX, FLESH_FRAGMENT),
     };
     const { arrays: A, bones } = this.scene;
     const part = new Float32Array(A.fine_triangle.length);
@@ -250,8 +266,49 @@ export class Hand3D {
     attribute(gl, 2, 2, own, gl.STATIC_DRAW);
     indices(gl, A.bone_faces);
     gl.bindVertexArray(null);
+    this.fleshArray = null;
+    if (this.flesh) this.setUpFlesh();
     gl.enable(gl.DEPTH_TEST);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  // Muscles and tendons, once: `layers` as `flesh.py` packs them.
+  takeLayers(layers) {
+    this.flesh = new Flesh(layers, this.scene.unit);
+    this.fleshNormals = new Float32Array(this.flesh.points.length);
+    if (this.gl) this.setUpFlesh();
+    this.layFlesh();
+  }
+
+  setUpFlesh() {
+    const gl = this.gl;
+    this.fleshArray = gl.createVertexArray();
+    gl.bindVertexArray(this.fleshArray);
+    this.fleshPointBuffer = attribute(gl, 0, 3, this.flesh.points, gl.DYNAMIC_DRAW);
+    this.fleshNormalBuffer = attribute(gl, 1, 3, this.fleshNormals, gl.DYNAMIC_DRAW);
+    attribute(gl, 2, 3, this.flesh.tone, gl.STATIC_DRAW, gl.UNSIGNED_BYTE);
+    attribute(gl, 3, 1, this.flesh.own, gl.STATIC_DRAW);
+    indices(gl, this.flesh.faces);
+    gl.bindVertexArray(null);
+  }
+
+  // Which corners of the flesh's triangles are drawn: muscles stand before tendons.
+  fleshShown() {
+    const { muscles, tendons, skin } = this.look;
+    if (!this.flesh || skin === "solid") return [0, 0];
+    const some = muscles && this.segments;
+    return [some ? 0 : this.flesh.split, tendons ? this.flesh.faces.length : some ? this.flesh.split : this.flesh.split];
+  }
+
+  // Only what is seen is computed.
+  layFlesh() {
+    const [from, to] = this.fleshShown();
+    if (from >= to) return;
+    if (from === 0) this.flesh.layMuscles(this.segments);
+    if (to > this.flesh.split) this.flesh.layTendons(this.motion);
+    normalsInto(this.flesh.points, this.flesh.faces.subarray(from, to), this.fleshNormals);
+    this.fleshFresh = true;
+    this.redraw();
   }
 
   cornerOf(v) { // the even skin's point that bears most of fine point v
@@ -264,7 +321,8 @@ export class Hand3D {
   pose(frame) {
     const A = this.scene.arrays;
     if (frame) this.motion.set(frame.motion);
-    if (frame && frame.skin) this.coarse.set(frame.skin);
+    if (frame) this.segments = frame.segments ? frame.segments.slice() : null;
+    if (frame && frame.skin) for (let v = 0; v < this.coarse.length; v++) this.coarse[v] = frame.skin[v] * this.scene.unit;
     else {
       dualQuaternions(this.motion, this.dual);
       blendInto(A.skin_points, A.skin_bodies, A.skin_weights, this.dual, this.coarse);
@@ -279,6 +337,7 @@ export class Hand3D {
     }
     normalsInto(this.points, A.fine_faces, this.normals);
     this.fresh = true;
+    this.layFlesh();
     this.redraw();
   }
 
@@ -408,6 +467,7 @@ export class Hand3D {
       gl.cullFace(gl.BACK);
       gl.drawElements(gl.TRIANGLES, A.bone_faces.length, gl.UNSIGNED_SHORT, 0);
     }
+    this.drawFlesh(project, turn);
     if (skin === "solid") this.drawSkin(project, turn, SOLID, gl.BACK);
     gl.useProgram(this.programs.sky.program); // behind everything opaque: pixels that the hand covers are not filled twice
     gl.disable(gl.CULL_FACE);
@@ -422,6 +482,20 @@ export class Hand3D {
       gl.disable(gl.BLEND);
     }
     gl.bindVertexArray(null);
+  }
+
+  drawFlesh(project, turn) {
+    const gl = this.gl, [from, to] = this.fleshShown();
+    if (from >= to || !this.fleshArray) return;
+    if (this.fleshFresh) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.fleshPointBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.flesh.points);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.fleshNormalBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.fleshNormals);
+      this.fleshFresh = false;
+    }
+    this.begin("flesh", project, turn, this.hot.flesh);
+    gl.bindVertexArray(this.fleshArray);
+    gl.cullFace(gl.BACK);
+    gl.drawElements(gl.TRIANGLES, to - from, gl.UNSIGNED_SHORT, 2 * from);
   }
 
   begin(name, project, turn, hot) {
@@ -487,7 +561,7 @@ export class Hand3D {
     return out;
   }
 
-  // ---- picking: {kind: "bone" | "skin", index} at CSS pixels from the canvas's corner, or null
+  // ---- picking: {kind: "bone" | "flesh" | "skin", index} at CSS pixels from the canvas's corner, or null
 
   pick(x, y) {
     const { clientWidth: w, clientHeight: h } = this.canvas, A = this.scene.arrays;
@@ -495,8 +569,11 @@ export class Hand3D {
     const d = unit([0, 1, 2].map((k) => sx * this.right[k] + sy * this.up[k] - this.eye[k]));
     const o = this.focus.map((value, k) => value + this.distance * this.eye[k]);
     const hit = { face: -1 };
+    const [from, to] = this.fleshShown();
+    const touched = from < to ? rayTriangles(this.flesh.points, this.flesh.faces, from, to, o, d, Infinity, hit) : Infinity;
+    const flesh = touched < Infinity ? { kind: "flesh", index: this.flesh.own[this.flesh.faces[hit.face]] } : null;
     if (this.look.bones && this.look.skin !== "solid") {
-      let nearest = Infinity, found = -1;
+      let nearest = touched, found = -1;
       this.scene.bones.forEach((bone, k) => { // the ray in the bone's own frame
         const m = this.motion, b = 12 * bone.body;
         const back = (v, shift) => [0, 1, 2].map((c) => [0, 1, 2].reduce((sum, r) => sum + m[b + 4 * r + c] * (v[r] - (shift ? m[b + 4 * r + 3] : 0)), 0));
@@ -505,7 +582,7 @@ export class Hand3D {
       });
       if (found >= 0) return { kind: "bone", index: found };
     }
-    if (this.look.skin === "hidden") return null;
+    if (flesh || this.look.skin === "hidden") return flesh;
     if (rayTriangles(this.coarse, A.skin_faces, 0, A.skin_faces.length, o, d, Infinity, hit) === Infinity) return null;
     const v = A.skin_faces[hit.face];
     const normal = [0, 1, 2].map((k) => this.coarseNormals[3 * v + k]);

@@ -24,6 +24,7 @@ export const STYLE = `
 .hl-seg button:hover, .hl .hl-btn:hover { background:#e8f1f8; }
 .hl .hl-seg button[aria-pressed=true], .hl .hl-btn[aria-pressed=true] { background:var(--blue); color:#fff; }
 .hl .hl-btn.rec[aria-pressed=true] { background:var(--vermilion); }
+.hl-bar .gap { flex:1; } .hl .hl-seg button.due { opacity:.55; }
 .hl button:disabled { opacity:.45; cursor:default; }
 .hl-menu { position:relative; } .hl-menu > div { position:absolute; right:0; bottom:calc(100% + 4px); z-index:6; background:#fff; border:1px solid #b9c2cb; border-radius:8px; padding:4px; box-shadow:0 6px 20px rgba(31,41,51,.18); width:max-content; max-width:280px; }
 .hl-menu > div[hidden] { display:none; } .hl-menu > div button { display:block; width:100%; text-align:left; border:0; background:none; padding:6px 10px; border-radius:6px; cursor:pointer; }

@@ -35,6 +35,9 @@ const button = (text, click, properties = {}) => make("button", { type: "button"
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 const press = (node, on) => { const text = String(on); if (node.getAttribute("aria-pressed") !== text) node.setAttribute("aria-pressed", text); };
 
+const WEAR = { blend: "bones alone move the skin", springs: "the skin is a net of masses and springs on the bones", "springs and muscles": "and muscles below it lift it when they swell" };
+const USED = { both: "both muscles", pseudo: "pseudo: bones turn", geometric: "geometric: flesh swells" };
+
 export async function mount(element, transport, options = {}) {
   if (!document.getElementById("handlab-style")) document.head.append(make("style", { id: "handlab-style", textContent: STYLE }));
   const root = make("div", { className: "hl", data: { lmSuppressShortcuts: "true", tab: "muscles" } }, make("div", { className: "hl-wait", textContent: "the hand is coming ..." }));
@@ -62,7 +65,7 @@ export async function mount(element, transport, options = {}) {
 class Viewer {
   constructor(root, scene, transport, options) {
     Object.assign(this, { root, scene, transport, options });
-    this.status = { clip: "", seconds: 0, playing: false, speed: 1, loop: false, hold: [], recording: false };
+    this.status = { clip: "", seconds: 0, playing: false, speed: 1, loop: false, hold: [], recording: false, wear: "blend", muscles: "both", soft: false };
     this.frame = null;
     this.track = new Track(scene.muscles.length + scene.dofs.length);
     this.pinned = { muscle: new Set(), dof: new Set() };
@@ -83,7 +86,7 @@ class Viewer {
     this.canvas.setAttribute("role", "img");
     this.stage = make("div", { className: "hl-stage" }, this.canvas);
     root.append(this.muscles(), this.stage, this.player(), this.curves(), this.joints(), this.tabs());
-    this.hand = new Hand3D(this.canvas, scene, { skin: options.skin || "solid", bones: options.bones !== false, view: options.view || "palm" });
+    this.hand = new Hand3D(this.canvas, scene, { skin: options.skin || "solid", bones: options.bones !== false, view: options.view || "palm", muscles: !!options.muscles, tendons: !!options.tendons });
     this.hand.ondraw = () => this.drawn();
     this.stage.append(this.looks(), this.actions(), (this.tag = make("div", { className: "hl-tag", hidden: true })));
     this.stage.append((this.saying = make("div", { className: "hl-say", hidden: true })));
@@ -190,12 +193,14 @@ class Viewer {
     const views = make("div", { className: "hl-seg" }, ...["palm", "back", "radial", "ulnar", "front"].map((name) => button(name, () => { this.hand.view(name); this.showLook(); }, { data: { view: name } })));
     const skin = make("div", { className: "hl-seg" }, ...["solid", "translucent", "hidden"].map((name) => button(name === "hidden" ? "no skin" : name, () => this.setLook({ skin: name }), { data: { skin: name } })));
     const bones = button("bones", () => this.setLook({ bones: !this.hand.look.bones }), { className: "hl-btn", data: { layer: "bones" } });
-    this.lookBar = make("div", { className: "hl-bar top" }, views, make("span", { className: "gap" }), skin, bones);
+    const layer = (name) => button(name, () => this.setLook({ [name]: !this.hand.look[name] }), { className: "hl-btn", data: { layer: name } });
+    const given = this.transport.recorded && !this.scene.layers; // a recording without muscles has none to show
+    this.lookBar = make("div", { className: "hl-bar top" }, views, make("span", { className: "gap" }), skin, bones, ...(given ? [] : [layer("muscles"), layer("tendons")]));
     return this.lookBar;
   }
 
   actions() {
-    const bar = make("div", { className: "hl-bar bottom" });
+    const bar = make("div", { className: "hl-bar bottom" }, ...(this.transport.recorded ? [] : this.wearing()), make("span", { className: "gap" }));
     const file = make("input", { type: "file", accept: ".json,application/json", hidden: true, onchange: () => this.load(file) });
     this.record = button("record", () => this.send({ kind: "record", on: !this.status.recording }), { className: "hl-btn rec", aria: { pressed: "false" }, title: "record what the sliders do as a clip" });
     const live = !this.transport.recorded;
@@ -208,6 +213,16 @@ class Viewer {
       this.menu("export", formats.map((format) => [EXPORTS[format], () => this.export(format), { data: { export: format } }])),
     );
     return bar;
+  }
+
+  // How the skin is worn, and which muscles contract: for all who look at this hand.
+  wearing() {
+    const wear = ["blend", "springs", "springs and muscles"].map((name) => button(name.replace("and", "+"), () => this.send({ kind: "wear", skin: name }), { data: { wear: name }, title: WEAR[name] }));
+    this.used = make("select", { className: "hl-btn", aria: { label: "which muscles contract" }, title: "which muscles contract", onchange: () => this.send({ kind: "wear", muscles: this.used.value }) },
+      ...Object.entries(USED).map(([value, textContent]) => make("option", { value, textContent })));
+    this.wearBar = make("div", { className: "hl-seg", aria: { label: "how the skin is worn" } }, ...wear);
+    this.wearBar.setAttribute("role", "group");
+    return [this.wearBar, this.used];
   }
 
   menu(name, entries) {
@@ -303,8 +318,9 @@ class Viewer {
       this.canvas.style.cursor = found ? "pointer" : "";
       this.heat(found);
       if (!found) { this.tag.hidden = true; return; }
-      const bone = found.kind === "bone" ? this.scene.bones[found.index] : null;
-      this.tag.replaceChildren(bone ? capital(bone.title) : `Skin over ${this.scene.bodies[found.index].title}${found.side ? `, ${found.side} side` : ""}`);
+      const bone = found.kind === "bone" ? this.scene.bones[found.index] : null, flesh = found.kind === "flesh" ? this.hand.flesh.all[found.index] : null;
+      this.tag.replaceChildren(flesh ? capital(flesh.title) : bone ? capital(bone.title) : `Skin over ${this.scene.bodies[found.index].title}${found.side ? `, ${found.side} side` : ""}`);
+      if (flesh) this.tag.append(make("small", { textContent: `driven by ${flesh.drives.map((k) => this.scene.muscles[k].short).join(", ")}` }));
       if (bone) this.tag.append(make("small", { textContent: bone.latin }));
       this.tag.hidden = false;
       const left = Math.min(x + 16, this.stage.clientWidth - this.tag.offsetWidth - 8);
@@ -314,9 +330,9 @@ class Viewer {
   }
 
   heat(found) {
-    const hot = this.hand.hot, bone = found?.kind === "bone" ? found.index : -1, part = found?.kind === "skin" ? found.index : -1;
-    if (hot.bone === bone && hot.part === part) return;
-    Object.assign(hot, { bone, part });
+    const hot = this.hand.hot, bone = found?.kind === "bone" ? found.index : -1, part = found?.kind === "skin" ? found.index : -1, flesh = found?.kind === "flesh" ? found.index : -1;
+    if (hot.bone === bone && hot.part === part && hot.flesh === flesh) return;
+    Object.assign(hot, { bone, part, flesh });
     this.hand.redraw();
   }
 
@@ -325,6 +341,7 @@ class Viewer {
   // A click names what was hit and marks the muscles that move it.
   pick(event) {
     const box = this.canvas.getBoundingClientRect(), found = this.hand.pick(event.clientX - box.left, event.clientY - box.top);
+    if (found?.kind === "flesh") { this.pickFlesh(found); return; }
     const body = found ? this.scene.bodies[found.kind === "bone" ? this.scene.bones[found.index].body : found.index] : null;
     const joint = body && this.scene.joints.find((one) => one.name === body.joint);
     this.picked = found && { ...found, name: found.kind === "bone" ? this.scene.bones[found.index].name : body.name };
@@ -336,6 +353,16 @@ class Viewer {
       this.more.replaceChildren(make("strong", { textContent: capital(found.kind === "bone" ? this.scene.bones[found.index].title : body.title) }),
         make("div", { textContent: `turns in the ${joint.title}` }), make("div", { className: "faint", textContent: `moved by ${movers.join(", ")}` }));
     }
+  }
+
+  // A click on a muscle or tendon marks the contractions that drive it.
+  pickFlesh(found) {
+    const one = this.hand.flesh.all[found.index];
+    this.picked = { ...found, name: one.name };
+    this.scene.muscles.forEach((muscle, k) => this.rows[k].row.classList.toggle("linked", one.drives.includes(k)));
+    this.scene.dofs.forEach((dof, k) => this.dofRows[k].row.classList.toggle("linked", one.drives.some((m) => this.scene.muscles[m].dofs.includes(k))));
+    this.rows[one.drives[0]].row.scrollIntoView({ block: "nearest" });
+    this.about(one.drives[0]);
   }
 
   slide(k) {
@@ -406,14 +433,24 @@ class Viewer {
   setLook(change) {
     Object.assign(this.hand.look, change);
     if (change.view) this.hand.view(change.view);
+    const { muscles, tendons, skin } = this.hand.look, asked = muscles || tendons;
+    if ((change.muscles || change.tendons) && skin === "solid") this.hand.look.skin = "translucent"; // or nobody would see them
+    if (asked && !this.hand.flesh && !this.layersAsked) { this.layersAsked = true; this.askLayers(); }
+    this.hand.layFlesh();
     this.hand.redraw();
     this.showLook();
   }
 
+  askLayers() {
+    if (this.scene.layers) this.hand.takeLayers(this.scene.layers);
+    else if (!this.transport.recorded) this.send({ kind: "layers" });
+  }
+
   async export(format) {
     if (format === "png") { this.download("hand.png", await this.hand.png()); return; }
-    const { skin, bones } = this.hand.look;
-    this.send({ kind: "export", format, look: { skin, bones, view: this.hand.viewName || "palm", camera: this.hand.camera() } });
+    const { skin, bones, muscles, tendons } = this.hand.look;
+    const layers = [...(muscles ? ["muscles"] : []), ...(tendons ? ["tendons"] : [])];
+    this.send({ kind: "export", format, look: { skin, bones, layers, view: this.hand.viewName || "palm", camera: this.hand.camera() } });
   }
 
   async load(input) {
@@ -436,6 +473,7 @@ class Viewer {
 
   begin() {
     if (this.transport.recorded) this.transport.send({ kind: "hello" });
+    if (this.options.muscles || this.options.tendons) this.setLook({});
     if (this.options.play) this.send({ kind: "play", clip: this.options.play, loop: !!this.options.loop });
     this.tick();
   }
@@ -447,6 +485,7 @@ class Viewer {
     else if (message.kind === "answer") this.say(message.text, message.good);
     else if (message.kind === "file") this.download(message.name, new Blob([message.text ?? asBytes(message.data)], { type: message.mime }));
     else if (message.kind === "track") this.track.load(new Float32Array(asBytes(message.data).slice().buffer), message.seconds ?? this.seconds(message.clip));
+    else if (message.kind === "layers") { this.hand.takeLayers(unpackScene(message.data)); this.showLook(); }
     else if (message.kind === "look") this.setLook(message);
     else if (message.kind === "tock") this.ticked(false);
     if (message.kind === "track") this.curvesDue(true);
@@ -595,6 +634,10 @@ class Viewer {
     press(this.repeat, status.loop);
     press(this.record, status.recording);
     this.record.textContent = status.recording ? "stop" : "record";
+    if (this.wearBar) {
+      for (const one of this.wearBar.children) { press(one, one.dataset.wear === status.wear); one.classList.toggle("due", !status.soft && one.dataset.wear !== "blend"); }
+      this.used.value = status.muscles;
+    }
     for (const [joint, lock] of this.locks) press(lock, status.hold.some((one) => one === joint || one.startsWith(`${joint}.`)));
   }
 
@@ -604,6 +647,7 @@ class Viewer {
     for (const one of this.lookBar.querySelectorAll("[data-skin]")) press(one, one.dataset.skin === look.skin);
     const bones = this.lookBar.querySelector("[data-layer=bones]");
     press(bones, look.bones);
+    for (const name of ["muscles", "tendons"]) { const one = this.lookBar.querySelector(`[data-layer=${name}]`); if (one) press(one, look[name] && look.skin !== "solid"); }
     bones.disabled = look.skin === "solid";
     bones.title = look.skin === "solid" ? "a solid skin hides the bones" : "show the bones";
   }

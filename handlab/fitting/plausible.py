@@ -1,0 +1,146 @@
+"""Can these clicks be a hand? Sizes, labels and single points are questioned before anything is warped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.terms import FINGERS
+from handlab.fitting.alignment import Aligned, fitting_plane, similarity
+from handlab.fitting.landmarks import NAMES, digit_of, source_points
+from handlab.fitting.mistakes import FitError, FitQuestion
+from handlab.physics import rbf
+
+if TYPE_CHECKING:
+    from handlab.fitting.warp import WarpedHand
+
+# From the wrist to the tip of the middle finger: toddlers to the largest known hands, with room (assumptions).
+SHORTEST_MM, LONGEST_MM = 80.0, 250.0
+# Labels are doubted where an exchange makes the points fit so much better (assumptions, see tests with people of many shapes).
+BETTER, WORSE_THAN = 1.35, 0.045
+# A point is doubted so far (over the hand's length) from where the others say it should be (an assumption).
+FAR_OFF = 0.30
+
+
+def flat_source(hand: Hand, view: str, names: tuple[str, ...] = NAMES) -> Array:
+    """Feature points (N, 2) mm in the plane that fits all of them, seen from ``view``."""
+    frame = fitting_plane(source_points(hand, view), view)
+    return 1e3 * frame.flat(source_points(hand, view, names))
+
+
+def hand_length_mm(hand: Hand) -> float:
+    """From the middle between both edges of the wrist to the tip of the middle finger."""
+    radial, ulnar, tip = source_points(hand, "palmar", ("wrist_radial", "wrist_ulnar", "tip_middle"))
+    return 1e3 * float(np.linalg.norm(tip - 0.5 * (radial + ulnar)))
+
+
+def require_size(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
+    """Ask about a hand that nobody has: ``picture`` (N, 2) mm."""
+    sizes = [similarity(flat_source(hand, view, names), picture, mirror=mirror) for view in ("palmar",) for mirror in (False, True)]
+    best = min(sizes, key=lambda found: found.scatter)
+    length = best.scale * hand_length_mm(hand)
+    if not SHORTEST_MM <= length <= LONGEST_MM:
+        raise FitQuestion(
+            f"this hand would be {length:.0f} mm long from wrist to finger tip (adults: 150 to 220 mm); check the scale: the two clicks on the "
+            "ruler and the distance between them, centimetres or inches; or say sure=True if it is right",
+            choices=({"sure": True},),
+        )
+
+
+def require_inside(clicks: Mapping[str, tuple[float, float]], width: int, height: int) -> None:
+    """Refuse points outside the picture."""
+    outside = tuple(name for name, (x, y) in clicks.items() if not (0.0 <= x <= width and 0.0 <= y <= height))
+    if outside:
+        x, y = clicks[outside[0]]
+        raise FitError(
+            f"{outside[0]} at ({x:.0f}, {y:.0f}) lies outside the picture of {width} x {height} pixels; click it again", clicks, outside
+        )
+
+
+def require_labels(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> None:
+    """Refuse exchanged labels and points far off the hand: ``picture`` (N, 2) mm, y upwards."""
+    source = flat_source(hand, view, names)
+    given = similarity(source, picture)
+    size = given.scale * hand_length_mm(hand)
+    swap, better = best_exchange(names, source, picture)
+    if swap is not None and given.scatter > WORSE_THAN * size and given.scatter > BETTER * better:
+        one, other = swap
+        raise FitError(
+            f"{one} and {other} look exchanged: the points fit a hand much better the other way round "
+            f"({better:.0f} instead of {given.scatter:.0f} mm off on average); swap them, or say sure=True",
+            names=swap,
+        )
+    off = surprise(source, picture)
+    worst = int(off.argmax())
+    if len(names) > 5:
+        rest = np.delete(np.arange(len(names)), worst)
+        size = similarity(source[rest], picture[rest]).scale * hand_length_mm(hand)
+    if off[worst] > FAR_OFF * size:
+        raise FitError(
+            f"{names[worst]} lies {off[worst]:.0f} mm away from where the other points say it should be; "
+            "click it again or leave it out, or say sure=True",
+            names=(names[worst],),
+        )
+
+
+def best_exchange(names: tuple[str, ...], source: Array, picture: Array) -> tuple[tuple[str, str] | None, float]:
+    """The two labels, or two fingers, whose exchange makes the points fit best, and the scatter (mm) then."""
+    best: tuple[tuple[str, str] | None, float] = (None, np.inf)
+    order = list(range(len(names)))
+    where = {name: k for k, name in enumerate(names)}
+    trials: list[tuple[tuple[str, str], list[tuple[int, int]]]] = [((names[i], names[j]), [(i, j)]) for i, j in combinations(order, 2)]
+    for a, b in combinations(FINGERS, 2):
+        pairs = [(where[name], where[other]) for name in names if digit_of(name) == a and (other := _same_joint(name, b)) in where]
+        if len(pairs) > 1:
+            trials.append(((a, b), pairs))
+    for labels, pairs in trials:
+        tried = order.copy()
+        for i, j in pairs:
+            tried[i], tried[j] = tried[j], tried[i]
+        scatter = similarity(source, picture[tried]).scatter
+        if scatter < best[1]:
+            best = labels, scatter
+    return best
+
+
+def _same_joint(name: str, finger: str) -> str:
+    return f"{name.partition('_')[0]}_{finger}"
+
+
+def surprise(source: Array, picture: Array) -> Array:
+    """How far (mm) every point lies from where a smooth warp of all others takes it."""
+    flat = np.column_stack([source, np.zeros(len(source))])
+    goal = np.column_stack([picture, np.zeros(len(source))])
+    off = np.zeros(len(source))
+    if len(source) < 5:
+        return off
+    for k in range(len(source)):
+        rest = np.delete(np.arange(len(source)), k)
+        off[k] = np.linalg.norm(rbf.warped_numpy(rbf.fitted(flat[rest], goal[rest]), flat[k : k + 1])[0] - goal[k])
+    return off
+
+
+def suspects(hand: Hand, view: str, names: tuple[str, ...], picture: Array, most: int = 3) -> tuple[str, ...]:
+    """The points that surprise most."""
+    off = surprise(flat_source(hand, view, names), picture)
+    return tuple(names[k] for k in np.argsort(-off)[:most])
+
+
+def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned) -> tuple[str, ...]:
+    """What the user should know about a fit that went well."""
+    said = []
+    bare = [finger for finger in FINGERS if not any(digit_of(name) == finger for name in names)]
+    if bare:
+        said.append(f"no point on {' and '.join(bare)}: shaped like the neighbours")
+    if not any(name.startswith(("wrist", "head")) for name in names):
+        said.append("no point at the wrist: wrist and forearm follow the palm")
+    if made.bones.repaired:
+        said.append(f"{', '.join(made.bones.repaired)}: too thin after the warp, rebuilt with the thickness that the size of the hand asks for")
+    tilt = np.degrees(np.arccos(np.clip(found.frame.towards @ fitting_plane(source_points(hand, found.view), found.view).towards, -1.0, 1.0)))
+    if tilt > 12.0:
+        said.append(f"the hand seems tilted by {tilt:.0f} degrees against the picture: heights are less certain")
+    return tuple(said)
