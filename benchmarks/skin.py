@@ -20,8 +20,8 @@ import numpy as np
 
 import handlab as hl
 from handlab.simulation import soft_skin_kernel as kernel
-from handlab.simulation.soft_frame import anchors, first_frame, frame
 from handlab.simulation.kinematics import relative_transforms
+from handlab.simulation.soft_frame import anchors, first_frame, frame
 from handlab.simulation.soft_skin import PAIR_REST, Network, soft_skin
 
 SOURCE = Path(__file__).with_name("skin.c")
@@ -103,16 +103,19 @@ def with_numpy(
 
 
 def in_mujoco(network: Network, folder: Path) -> Callable[[int], None] | None:
-    """Steps of MuJoCo with the same mesh as an elastic flex sheet that resists stretching and bending, no contact, no gravity; None without MuJoCo."""
+    """Steps of MuJoCo with the same mesh as an elastic flex sheet, stretching and bending, without contact and gravity; or None."""
     try:
         import mujoco
     except ImportError:
         return None
     points = " ".join(f"{x:.6f}" for x in network.points.ravel())
     faces = " ".join(str(k) for k in network.faces.ravel())
-    xml = f"""<mujoco><option timestep="1e-5" gravity="0 0 0" solver="CG"><flag contact="disable"/></option><size memory="200M"/>
-    <worldbody><flexcomp name="skin" type="direct" dim="2" point="{points}" element="{faces}" mass="{network.mass.sum():.6f}" radius="0.0005">
-    <contact selfcollide="none"/><edge equality="false"/><elasticity young="{network.young:g}" poisson="0.33" thickness="0.0015" elastic2d="both"/>
+    xml = f"""<mujoco><option timestep="1e-5" gravity="0 0 0" solver="CG"><flag contact="disable"/></option>
+    <size memory="200M"/>
+    <worldbody><flexcomp name="skin" type="direct" dim="2" radius="0.0005" mass="{network.mass.sum():.6f}"
+    point="{points}" element="{faces}">
+    <contact selfcollide="none"/><edge equality="false"/>
+    <elasticity young="{network.young:g}" poisson="0.33" thickness="0.0015" elastic2d="both"/>
     </flexcomp></worldbody></mujoco>"""
     try:
         model = mujoco.MjModel.from_xml_string(xml)
@@ -184,10 +187,21 @@ def rows() -> list[tuple[str, float, float, str, bool, str]]:
     each = fast["ours"] / steps
     out = []
     if c is not None:
-        out.append(("skin substep / the same in C (C's time over ours)", fast["C"] / fast["ours"], 0.90, "x", False, f"{1e6 * each:.1f} us"))
+        out.append(
+            ("skin substep / the same in C (C's time over ours)", fast["C"] / fast["ours"], 0.90, "x", False, f"{1e6 * each:.1f} us")
+        )
     goals = {"numpy": ("numpy `add.at`", 18.0), "scipy": ("scipy.sparse", 5.0), "MuJoCo": ("MuJoCo flex, same mesh", 20.0)}
     for key, seconds in others.items():
-        out.append((f"skin substep, times faster than {goals[key][0]}", seconds / few / each, goals[key][1], "x", False, f"{1e6 * seconds / few:.0f} us"))
+        out.append(
+            (
+                f"skin substep, times faster than {goals[key][0]}",
+                seconds / few / each,
+                goals[key][1],
+                "x",
+                False,
+                f"{1e6 * seconds / few:.0f} us",
+            )
+        )
     return out + whole(hand, network)
 
 
@@ -215,7 +229,14 @@ def whole(hand: Any, network: Network) -> list[tuple[str, float, float, str, boo
     best = interleaved({"play": play, "substeps": substeps, "one": lambda: hands(1), "two": lambda: hands(2)}, 6)
     return [
         ("whole hand frame / its skin substeps", best["play"] / best["substeps"], 1.15, "x", True, f"{1e3 * best['play'] / count:.2f} ms"),
-        ("whole hand with skin at 100 kPa, headless", count / best["play"], 500.0, "frames/s", False, f"{network.substeps(FRAME)} substeps"),
+        (
+            "whole hand with skin at 100 kPa, headless",
+            count / best["play"],
+            500.0,
+            "frames/s",
+            False,
+            f"{network.substeps(FRAME)} substeps",
+        ),
         ("four hands on two threads, times faster than on one", best["one"] / best["two"], 1.6, "x", False, ""),
     ]
 

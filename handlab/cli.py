@@ -12,6 +12,7 @@ from cyclopts import App, Parameter
 import handlab
 from handlab.mistakes import INTERRUPTED, TROUBLE, USAGE_ERROR, answered
 from handlab.show.app.place import PORT, checked_port
+from handlab.show.wardrobe import SOFT
 
 if TYPE_CHECKING:
     from handlab.anatomy.records import Hand
@@ -68,7 +69,7 @@ def run(
     def load_session() -> Session:
         from handlab.show.session import Session
 
-        return Session(load(side, reading))
+        return Session(load(side, reading), wear=SOFT)
 
     start(load_session, host=host, port=checked_port(port), browser=browser, say=lambda text: print(text, flush=True))
 

@@ -49,6 +49,9 @@ def thenar(at: Places) -> list[Plan]:
         _row(at.on(m1, 0.2, 0.8, 1, 1.9), at.on(m1, 0.72, 1, 0.1, 2.4), 3.6, m1, THENAR),
         _row(at.on(m1, 0.25, 0.2, 1, 0.9), at.on(m1, 0.9, 0.6, 1, 0.9), 1.6, m1, THENAR),
     ]
+    short = resampled(opponens, 6)
+    for k, part in enumerate((0.7, 0.95, 1.0, 1.0, 1.0), start=1):  # it lies on the metacarpal, which turns under anything else
+        short[k].bones = {m1: part, "trapezium": 1.0 - part} if part < 1.0 else m1
     oblique = [
         _row(at.on("metacarpal_2", 0.14, 1, -0.2, 1.6), at.on(m3, 0.12, 1, -0.3, 1.6), 2.4, "capitate", PALM),
         _row(at.on("metacarpal_2", 0.2, 1, 0.6, 3.6), at.on(m3, 0.28, 1, 0.6, 3.2), 4.0, {"capitate": 0.75, m1: 0.25}, PALM),
@@ -75,7 +78,7 @@ def thenar(at: Places) -> list[Plan]:
     return [
         Plan("abductor_pollicis_brevis", "abductor_pollicis_brevis", resampled(abductor, 7), 3),
         Plan("flexor_pollicis_brevis", "flexor_pollicis_brevis", resampled(flexor, 7), 3),
-        Plan("opponens_pollicis", "opponens_pollicis", resampled(opponens, 6), 5),
+        Plan("opponens_pollicis", "opponens_pollicis", short, 5),
         Plan("adductor_pollicis_oblique", "adductor_pollicis", resampled(oblique, 7), 3),
         Plan("adductor_pollicis_transverse", "adductor_pollicis", resampled(transverse, 7), 5),
     ]

@@ -45,7 +45,8 @@ def contractions(hand: Hand, seconds: float, seed: int = 0) -> Array:
     sign = np.where(np.abs(arm) > 0.15 * np.abs(arm).max(axis=1, keepdims=True), np.sign(arm), 0.0)
     main = np.sign(arm) * (np.abs(arm) > 0.5 * np.abs(arm).max(axis=1, keepdims=True))
     value = np.empty((knots, muscles))
-    for k in range(knots):
+    k = 0
+    while k < knots:
         kind = rng.integers(4)
         if kind < 2:
             value[k] = rng.beta(0.5, 0.5, muscles)
@@ -55,7 +56,9 @@ def contractions(hand: Hand, seconds: float, seed: int = 0) -> Array:
         else:
             j = rng.integers(arm.shape[1])
             pull = (main if rng.random() < 0.5 else sign)[:, j] * rng.choice([-1.0, 1.0])
-            value[k] = np.where(pull > 0.0, 1.0, np.where(pull < 0.0, 0.0, rng.uniform(0.0, 0.15, muscles)))
+            value[k : k + 2] = np.where(pull > 0.0, 1.0, np.where(pull < 0.0, 0.0, rng.uniform(0.0, 0.15, muscles)))
+            k += 1  # held, so that the joint gets there
+        k += 1
     at = np.arange(int(seconds * FPS)) / FPS
     result: Array = np.clip(PchipInterpolator(np.arange(knots) * KNOT, np.clip(value, 0.0, 1.0))(at), 0.0, 1.0)
     return result
@@ -144,7 +147,7 @@ class Tally:
         return [
             f"{self.frames} frames: {self.broken} not finite, longest edge {self.longest:.2f} times its rest length",
             f"{self.inverted_frames} frames with inverted triangles, at most {self.inverted} of them",
-            f"{self.bone_checks} looks at the bones: {self.bone_faults} outside, at most {1e3 * self.bone:.2f} mm ({self.bone_name or 'none'})",
+            f"{self.bone_checks} looks at the bones: {self.bone_faults} outside, at most {1e3 * self.bone:.2f} mm {self.bone_name}",
         ]
 
 

@@ -117,7 +117,7 @@ def tilted(points: Array, start: Frame, picture: Array) -> tuple[Frame, Similari
         turn = np.array([[a, -b], [b, a]])
         prior = np.zeros((2, 6))
         prior[:, 4:] = weight * np.eye(2) / max(found.scale, 1e-9)
-        goal = np.concatenate([picture.reshape(-1), weight * turn @ taken / max(found.scale, 1e-9)])
+        goal = np.concatenate([picture.reshape(-1), -weight * turn @ taken / max(found.scale, 1e-9)])
         a, b, *_, u, v = np.linalg.lstsq(np.vstack([rows, prior]), goal, rcond=None)[0]
         step = np.linalg.solve(np.array([[a, -b], [b, a]]), np.array([u, v]))
         frame = frame_towards(frame.towards - step[0] * frame.across - step[1] * frame.up, frame.origin)

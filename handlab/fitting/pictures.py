@@ -17,6 +17,9 @@ KNOWN = "JPEG, PNG, HEIC, WebP, TIFF and BMP"
 MOST_PIXELS = 64_000_000  # a little more than the 50 megapixels of large phone cameras; three bytes each
 LEAST_SIDE = 64  # pixels; a hand needs a few hundred
 LONGEST_SIDE = 30_000
+FILM_DIAGONAL_MM = 43.27  # of 24 x 36 mm film, to which "focal length in 35 mm film" refers (EXIF 2.3, CIPA DC-008)
+EXIF_BLOCK, FOCAL_35, WIDTH, HEIGHT = 0x8769, 0xA405, 0xA002, 0xA003  # EXIF tags
+CROPPED = 0.02  # a picture whose sides differ by more from those in its EXIF data was cut: its focal length says nothing
 HEIC_BRANDS = (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"heif")
 
 
@@ -34,6 +37,30 @@ def load_picture(source: str | os.PathLike[str] | bytes | NDArray[Any]) -> Pictu
     if not data:
         raise ValueError(f"{name} is empty (0 bytes); copy it from the camera again")
     return _checked(_decoded(data, name), name)
+
+
+def camera_distance_mm(source: str | os.PathLike[str] | bytes, mm_per_px: float) -> float | None:
+    """How far the camera was from the ruler, in mm, by the focal length that telephones and cameras write into the file.
+
+    distance = (focal length / diagonal of the film) * diagonal of the picture in pixels * ``mm_per_px``. None where the file does not say
+    (scanners, pictures that were cut or saved without EXIF data). Focal lengths are whole millimetres: the distance is good to some 3 %.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    data = source if isinstance(source, bytes) else _read(Path(source))[0]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+                block = picture.getexif().get_ifd(EXIF_BLOCK)
+                width, height = picture.size
+        focal, noted = float(block.get(FOCAL_35, 0)), (float(block.get(WIDTH, width)), float(block.get(HEIGHT, height)))
+    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, SyntaxError, ValueError, TypeError, KeyError, ZeroDivisionError):
+        return None
+    same = max(noted) > 0 and abs(min(noted) / max(noted) * max(width, height) / min(width, height) - 1.0) <= CROPPED
+    if not (np.isfinite(focal) and focal > 0.0 and same):
+        return None
+    return focal / FILM_DIAGONAL_MM * float(np.hypot(width, height)) * mm_per_px
 
 
 def _read(path: Path) -> tuple[bytes, str]:

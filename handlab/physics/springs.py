@@ -120,7 +120,7 @@ def spring_tensor(way: ArrayLike, stiffness: ArrayLike, rest_length: ArrayLike) 
 
 
 def stiffness_matrix(count: int, edges: Index, tensors: Array, grounded: Array | None = None) -> object:
-    """K (3 count, 3 count), sparse, of springs between ``edges`` (e, 2) with ``tensors`` (e, 3, 3) and to anchors, ``grounded`` (count, 3, 3)."""
+    """K (3 count, 3 count), sparse: springs between ``edges`` (e, 2), ``tensors`` (e, 3, 3), and to anchors, ``grounded`` (count, 3, 3)."""
     from scipy.sparse import bsr_matrix, coo_matrix
 
     i, j = edges[:, 0], edges[:, 1]

@@ -54,7 +54,8 @@ def bellies(hand: Hand) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         count = stations * ring + 2
         told.append(
             {
-                "name": name, "title": name.replace("_", " "), "drives": [hand.muscle_names.index(one) for one in drives],
+                "name": name, "title": name.replace("_", " "),
+                "drives": [hand.muscle_names.index(one) for one in drives],
                 "segment": part.start, "segments": (part.stop - part.start) // fibres, "fibres": fibres, "stations": stations, "ring": ring,
                 "first": points, "end": points + count, "corner": corners, "last": corners + mesh.size,
             }

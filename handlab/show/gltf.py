@@ -1,5 +1,7 @@
 """A clip as animated glTF 2.0: bones that move, a skin that follows them, in one ``.glb`` that any 3D program opens.
 
+The skin is always the blended one, also of a clip with a soft skin: springs and muscles are not in the file.
+
 glTF blends matrices, which loses girth at bent joints; here the skin is blended by dual quaternions. The difference, seen from the
 stored posture, goes into a few corrective shapes ("morph targets") with weights over time: p = sum_b w_b T_b (x + sum_k a_k d_k).
 They come from a singular value decomposition, as many as it takes to stay below ``TOLERANCE``.

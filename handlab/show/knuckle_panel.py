@@ -70,7 +70,10 @@ class KnucklePanel:
 
     def text(self) -> str:
         """The read-out."""
-        rows = [f"{way}: " + ", ".join(f"{name} {value:.1f} %" for name, value in zip(MEASURES, self.measured[way], strict=True)) for way in WAYS]
+        rows = [
+            f"{way}: " + ", ".join(f"{name} {value:.1f} %" for name, value in zip(MEASURES, self.measured[way], strict=True))
+            for way in WAYS
+        ]
         return "\n".join([f"{self.joint} bent by {self.bend_deg:.0f} degrees, in percent of the straight finger", *rows])
 
     def __repr__(self) -> str:
@@ -111,7 +114,9 @@ class KnucklePanel:
         wide = 0.26
         for k, way in enumerate(WAYS):
             at = np.arange(len(MEASURES)) + (k - 1) * wide
-            bars = axes.barh(at, self.measured[way], 0.9 * wide, color=line(k)["color"], hatch=("", "//", "..")[k], edgecolor="white", zorder=2)
+            bars = axes.barh(
+                at, self.measured[way], 0.9 * wide, color=line(k)["color"], hatch=("", "//", "..")[k], edgecolor="white", zorder=2
+            )
             axes.bar_label(bars, [f"{way} {value:.0f}" for value in self.measured[way]], padding=4, fontsize=13)
         axes.axvline(100.0, color=INK, linewidth=1.5, linestyle=":", zorder=3)
         axes.set(yticks=range(len(MEASURES)), yticklabels=[name.replace(" ", "\n", 1) for name in MEASURES], xlim=(0.0, 205.0))
@@ -123,8 +128,9 @@ class KnucklePanel:
         """Slider, plot and read-out as one widget."""
         import ipywidgets
 
+        parts = [self.slider, self._picture, self._readout]
         self._refresh()
-        return ipywidgets.VBox([self.slider, self._picture, self._readout])
+        return ipywidgets.VBox(parts)
 
     @cached_property
     def slider(self) -> Any:

@@ -41,7 +41,7 @@ class MovingHand:
         self.skin_points = skin_points
         self.segments = False
         self.own: dict[str, KeyFrames | Clip] = {}
-        self._history: deque[tuple[float, Array, Array, Array, Array | None]] = deque(maxlen=MOST_HISTORY)
+        self._history: deque[tuple[float, Array, Array, Array, Any]] = deque(maxlen=MOST_HISTORY)
         self._echo = 0
         self._start_over()
 

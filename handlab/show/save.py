@@ -25,6 +25,7 @@ def save(
     skin: str | Sequence[str] = "solid",
     bones: bool = True,
     muscles: bool = True,
+    layers: str | Sequence[str] = (),
     size: tuple[int, int] = (800, 600),
     fps: float = 30.0,
 ) -> Path:
@@ -33,7 +34,9 @@ def save(
     ``.mp4`` and ``.gif`` are films, ``.png`` is a still or the moments of a clip, ``.csv`` is a clip's table, ``.glb`` is animated
     glTF (skin and bones), ``.html`` is one page that plays offline in any browser, ``.xml`` is the hand as a MuJoCo model (``to_mjcf``).
     Several views stand beside each other, several skins below each other: ``view=["palm", "back"], skin=["solid", "translucent"]``.
-    ``muscles`` lists the contracting muscles by group, with percent and newtons. ``size`` is width and height in pixels of the
+    ``muscles`` lists the contracting muscles by group, with percent and newtons; ``layers=["muscles", "tendons"]`` draws geometric
+    muscles and tendons under a skin that is not solid. The skin is worn as in the clip or state (``simulate(..., skin="springs and
+    muscles")``, ``clip.with_skin()``), except in ``.glb``, which has bones and the blended skin. ``size`` is width and height in pixels of the
     whole picture, ``fps`` frames per second; the motion is the same at any rate.
 
     Raises ``ValueError`` (unknown format, view, skin, size or rate) and ``OSError`` (a place that cannot be written to) before
@@ -45,7 +48,7 @@ def save(
         return save_figure(what, path)
     out = checked(path, FORMATS)
     told = story(what, hand)
-    plan = layout(view, skin, bones, size, muscles)
+    plan = layout(view, skin, bones, size, muscles, layers)
     if not 1.0 <= fps <= 240.0:
         raise ValueError(f"fps is {fps:g}; frames per second lie between 1 and 240")
     WRITERS[out.suffix.lower()](told, out, plan, float(fps))
@@ -94,7 +97,9 @@ def _glb(told: Story, out: Path, plan: Any, fps: float) -> None:
 def _html(told: Story, out: Path, plan: Any, fps: float) -> None:
     from handlab.show.page import write_html
 
-    write_html(told, out, view=plan.views[0], skin=plan.skins[0], bones=plan.bones)
+    write_html(
+        told, out, view=plan.views[0], skin=plan.skins[0], bones=plan.bones, **({"layers": list(plan.layers)} if plan.layers else {})
+    )
 
 
 def _xml(told: Story, out: Path, plan: Any, fps: float) -> None:

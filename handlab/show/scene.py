@@ -34,11 +34,12 @@ class Scene:
     """A hand on an off-screen canvas.
 
     ``skin``: ``"solid"``, ``"translucent"`` (drawn in two passes: far side, then near side) or ``"hidden"``;
-    ``bones``: whether they are drawn; ``view``: one of ``views.DIRECTIONS``; ``size``: width and height in pixels.
+    ``bones``: whether they are drawn; ``layers``: ``"muscles"``, ``"tendons"``, seen where the skin is not solid;
+    ``view``: one of ``views.DIRECTIONS``; ``size``: width and height in pixels.
     ``quality``: ``"live"`` is fastest; ``"film"`` draws at twice the resolution and averages down, for smooth outlines; ``"still"``
     adds ambient occlusion, the soft dark where surfaces meet, and sorts translucent layers by depth.
 
-    Actors: ``skin``, ``skin far side``, ``skin near side`` and one per bone, by its name.
+    Actors: ``skin``, ``skin far side``, ``skin near side`` one per bone, by its name; ``muscle NAME``, ``tendon NAME``.
     """
 
     def __init__(
@@ -47,11 +48,13 @@ class Scene:
         *,
         skin: str = "solid",
         bones: bool = True,
+        layers: Iterable[str] = (),
         view: str = "palm",
         size: tuple[int, int] = (800, 600),
         quality: Quality = "live",
     ) -> None:
         self.hand = hand
+        under = tuple(layers)
         self.size = size
         self._quality = quality
         self._fineness = factor = 1 if quality == "live" else 2
@@ -65,6 +68,7 @@ class Scene:
         self._normals = Normals(hand.skin_fine.faces, len(hand.skin_fine.points))
         self._surface = self._mesh(hand.skin_fine.points, hand.skin_fine.faces, self._normals)
         self._bone_actors = self._add_bones()
+        self._flesh = self._add_flesh(under)
         self._skin_actors = self._add_skin()
         self._clouds: list[Any] = [hand.skin_fine.points]
         self.set(skin=skin, bones=bones, view=view)
@@ -96,6 +100,14 @@ class Scene:
             for name, bone in self.hand.bones.items()
         }
 
+    def _add_flesh(self, layers: tuple[str, ...]) -> Any:
+        """Muscles and tendons: before the skin, which is drawn over them."""
+        if not layers:
+            return None
+        from handlab.show.muscle_layer import MuscleLayer
+
+        return MuscleLayer(self, bellies="muscles" in layers, sinews="tendons" in layers)
+
     def _add_skin(self) -> dict[Skin, list[Any]]:
         self._surface.point_data["tone"] = complexion(self.hand)
         tone: Any = {"scalars": "tone", "rgb": True}
@@ -123,6 +135,9 @@ class Scene:
         for actor in self._bone_actors.values():
             # Under a solid skin nobody sees them: not drawing them is faster, and hides a bone that would look through.
             actor.visibility = self.bones and self.skin != "solid"
+        for name, actor in self.plotter.actors.items():
+            if name.startswith(("muscle ", "tendon ")):
+                actor.visibility = self.skin != "solid"
         if skin is not None and self._quality == "still":
             self._take_time(self.skin)
         if view is not None:
@@ -161,6 +176,8 @@ class Scene:
         row = {name: k for k, name in enumerate(self.hand.body_names)}
         for name, actor in self._bone_actors.items():
             actor.user_matrix = moved[row[self.hand.bones[name].body]]
+        if self._flesh is not None:
+            self._flesh.pose(moment.angle, moment.contraction)
 
     def picture(self) -> Picture:
         """What the camera sees: (height, width, 3), 0 to 255."""

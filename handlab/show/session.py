@@ -30,7 +30,7 @@ Messages, client to host (``n``, a number that the next frame echoes, may stand 
 ==========  ==========================================================================================================
 
 Replies, host to client: ``status`` (after every change: ``clip``, ``title``, ``seconds``, ``playing``, ``speed``, ``loop``,
-``hold``, ``recording``, ``wear``, ``muscles``, and ``soft``: whether springs can be worn yet), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
+``hold``, ``recording``, ``wear``, ``muscles``, ``soft``: whether springs can be worn yet), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
 ``file`` (``name``, ``mime``, and ``text`` or ``data``), ``track`` (``clip``, ``seconds``, ``data``: the curves of a clip that was
 opened, see ``keepsakes.track``), ``layers`` (``data``: what stays of muscles and tendons, see ``flesh``).
 """

@@ -56,16 +56,18 @@ def sheet(
     view: str | Sequence[str] = FOUR_SIDES,
     skin: str | Sequence[str] = ("solid", "translucent"),
     bones: bool = True,
+    layers: str | Sequence[str] = (),
     tile: tuple[int, int] = (300, 380),
 ) -> Any:
     """A contact sheet as a Pillow image: a row per posture (name -> state), a column per skin and view.
 
+    Skins are worn as in the states: ``clip.states[k]`` of a clip with a soft skin, or ``dress(hand, state)``. ``layers``: as in ``save``.
     Written to ``path`` (.png) if one is given. ``tile`` is the size of one picture in pixels.
     """
     from PIL import Image, ImageDraw
 
     out = None if path is None else checked(path, [".png"])
-    plan = layout(view, skin, bones, tile, muscles=False)
+    plan = layout(view, skin, bones, tile, muscles=False, layers=layers)
     columns = [(skin_, view_) for skin_ in plan.skins for view_ in plan.views]
     width, height = plan.size
     margin, head = round(0.42 * width), round(0.16 * height)
@@ -77,7 +79,7 @@ def sheet(
         write(draw, (margin + (k + 0.5) * width, 0.80 * head), f"skin {skin_}", size, colour=FAINT, anchor="ms")
     told = {name: story(state, hand) for name, state in postures.items()}
     moments = {name: one.at(0.0) for name, one in told.items()}
-    each = Layout(plan.views, plan.skins, bones, (width * len(plan.views), height * len(plan.skins)), muscles=False)
+    each = Layout(plan.views, plan.skins, bones, (width * len(plan.views), height * len(plan.skins)), muscles=False, layers=plan.layers)
     tiles = Tiles(story(hand), each, quality="still", framing=moments.values())
     try:
         for row, name in enumerate(progress(moments, "pictures", len(moments))):

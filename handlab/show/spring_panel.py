@@ -20,7 +20,7 @@ STEPS_MS = (0.1, 20.0)  # of the slider
 SEED = 3
 PUSH = 1e-3  # m: the first disturbance
 TALLEST = 1e6  # times the push: what is drawn of a chain that explodes
-CALM = 3.0  # times the push: a stable chain may come together by as much
+CALM = 30.0  # times the push: near the limit a stable chain swings out a few times as far
 
 
 class SpringPanel:
@@ -125,8 +125,9 @@ class SpringPanel:
         """Sliders, plot and read-out as one widget."""
         import ipywidgets
 
+        parts = [ipywidgets.HBox([self.masses_slider, self.step_slider]), self._picture, self._readout]
         self._refresh()
-        return ipywidgets.VBox([ipywidgets.HBox([self.masses_slider, self.step_slider]), self._picture, self._readout])
+        return ipywidgets.VBox(parts)
 
     @cached_property
     def masses_slider(self) -> Any:

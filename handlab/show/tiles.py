@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from handlab.anatomy.terms import find
 from handlab.show.colours import FAINT, PAPER
 from handlab.show.lettering import write
 from handlab.show.moments import Moment, Story
@@ -15,6 +16,7 @@ from handlab.show.muscle_panel import active, panel
 from handlab.show.scene import Picture, Quality, Scene, skin_name
 from handlab.show.views import Camera, same_scale, view_name
 
+LAYERS = ("muscles", "tendons")
 PANEL_SHARE = 0.30  # of the width of the picture
 FRAMING_SAMPLES = 13
 
@@ -23,7 +25,7 @@ FRAMING_SAMPLES = 13
 class Layout:
     """Columns are ``views``, rows are ``skins``; ``size`` is the whole picture in pixels, ``muscles`` adds the panel.
 
-    ``camera`` replaces what the named views would frame.
+    ``layers``: of ``LAYERS``, drawn under a skin that is not solid; ``camera`` replaces what the named views would frame.
     """
 
     views: tuple[str, ...] = ("palm",)
@@ -32,6 +34,7 @@ class Layout:
     size: tuple[int, int] = (800, 600)
     muscles: bool = True
     camera: Camera | None = None
+    layers: tuple[str, ...] = ()
 
     @property
     def panel_width(self) -> int:
@@ -50,6 +53,7 @@ def layout(
     bones: bool = True,
     size: tuple[int, int] = (800, 600),
     muscles: bool = True,
+    layers: Sequence[str] = (),
 ) -> Layout:
     """A layout from what a caller writes: one name or several. Every name and number is checked here, before anything is drawn."""
     views = tuple(view_name(name) for name in ([view] if isinstance(view, str) else view))
@@ -60,7 +64,8 @@ def layout(
     if not (64 <= width <= 8192 and 64 <= height <= 8192):
         raise ValueError(f"size is {width} x {height}; both must lie between 64 and 8192 pixels")
     # H.264 halves the resolution of colour: odd sizes do not exist for it.
-    return Layout(views, skins, bool(bones), (width - width % 2, height - height % 2), bool(muscles))
+    under = tuple(find(name, LAYERS, kind="layer") for name in ([layers] if isinstance(layers, str) else layers))
+    return Layout(views, skins, bool(bones), (width - width % 2, height - height % 2), bool(muscles), layers=under)
 
 
 class Tiles:
@@ -71,7 +76,7 @@ class Tiles:
         self.rows = active(story) if plan.muscles else []
         self.plan = plan if self.rows else replace(plan, muscles=False)
         width, height = self.plan.tile
-        self.scene = Scene(story.hand, size=(width, height), bones=plan.bones, quality=quality)
+        self.scene = Scene(story.hand, size=(width, height), bones=plan.bones, layers=plan.layers, quality=quality)
         seen = list(framing) if framing is not None else story.sample(FRAMING_SAMPLES)
         self.cameras: dict[str, Camera] = same_scale(story.hand, plan.views, [moment.skin for moment in seen], width / height)
         if plan.camera is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -70,7 +70,8 @@ class Wardrobe:
             before = self._soft.position
             self._soft = follow(self.hand, self.network, self._soft, angle, heard, dt, skin=self.wear)
             self.moving = float(np.abs(self._soft.position - before).max()) > STILL_SKIN * dt
-        return self._soft.points
+        points: Array = self._soft.points
+        return points
 
     def heard(self, contraction: Array) -> Array:
         """What geometric muscles hear of ``contraction``."""
@@ -97,11 +98,11 @@ class Wardrobe:
         from handlab.simulation.soft_skin import SoftSkin
         from handlab.simulation.soft_skin_kernel import volume_and_area
 
-        net = self.network
+        net: Any = self.network
         assert net is not None
         moved = relative_transforms(self.hand, angle)
         lifting = self.wear == SOFT and net.muscles is not None
-        shapes = shape(net.muscles, moved, self.heard(contraction)) if lifting and net.muscles is not None else None
+        shapes = shape(net.muscles, moved, self.heard(contraction)) if lifting else None
         swelling = clip.worn.swelling(frame)
         position = np.ascontiguousarray(points.T)
         normal = np.empty_like(position)
@@ -115,4 +116,5 @@ def between_skins(clip: Clip, left: int, right: int, share: float) -> Array:
     """Skin points (N, 3) on the straight line between two frames of a clip."""
     if share in (0.0, 1.0) or left == right:
         return clip.skin(right if share == 1.0 else left)
-    return frozen((1.0 - share) * clip.skin(left) + share * clip.skin(right))
+    mixed: Array = frozen((1.0 - share) * clip.skin(left) + share * clip.skin(right))
+    return mixed

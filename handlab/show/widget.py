@@ -1,4 +1,4 @@
-"""The viewer in a notebook, as an anywidget: the kernel's own connection carries 1.6 kB a frame; no port, no proxy, no iframe.
+"""The viewer in a notebook, as an anywidget: the kernel's own connection carries 11 kB a frame; no port, no proxy, no iframe.
 
 The page asks for every frame while something moves (``tick``), so a busy kernel slows the motion down instead of piling up work,
 and a resting hand costs nothing. Messages may arrive on any thread: one lock, nothing here draws.
@@ -14,6 +14,7 @@ from typing import Any
 from handlab.anatomy.records import Hand
 from handlab.show.module import viewer_module
 from handlab.show.session import Session, Wish
+from handlab.show.wardrobe import BLEND, SOFT
 from handlab.simulation.clip import Clip
 from handlab.simulation.state import State
 
@@ -65,15 +66,26 @@ def widget_class() -> Any:
 class HandView:
     """A live hand in a notebook: ``view.set(FDP2=0.4)``, ``view.play("fist")``, ``view.show(state)``; ``view.widget`` is the widget.
 
-    ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``height`` in pixels; ``options`` of the viewer: ``skin``,
-    ``bones``, ``view``, ``panels`` (false: the hand only).
+    ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: how the skin is worn and which muscles
+    contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``options`` of the
+    viewer: ``skin``, ``bones``, ``view``, ``layers`` (``["muscles", "tendons"]``), ``panels`` (false: the hand only).
     """
 
     def __init__(
-        self, hand: Hand, start: State | Clip | None = None, *, hold: Any = (), height: int = 680, skin_points: bool = False, **options: Any
+        self,
+        hand: Hand,
+        start: State | Clip | None = None,
+        *,
+        hold: Any = (),
+        wear: str = SOFT,
+        muscles: str = "both",
+        height: int = 680,
+        skin_points: bool = False,
+        **options: Any,
     ) -> None:
         self.hand = hand
-        self.session = Session(hand, start, hold=hold, skin_points=skin_points)
+        self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points)
+        self._preparing: threading.Thread | None = None
         self._lock = threading.RLock()
         self._before: float | None = None
         self.widget = widget_class()(height=height, options=options)
@@ -85,13 +97,39 @@ class HandView:
             if kind == "hello":
                 self.widget.send({"kind": "scene"}, buffers=[self.session.scene()])
                 self._push()
+                self._dress()
             elif kind == "tick":
                 self._tick()
             else:
                 self.session.message(message)
                 self._pass_on()
+                self._dress()
                 for wish in self.session.wishes():
                     threading.Thread(target=self._fulfil, args=(wish,), daemon=True).start()
+
+    def _dress(self) -> None:
+        """Make the soft skin ready on a thread of its own, once it is wanted."""
+        wardrobe = self.session.wardrobe
+        if wardrobe.wear != BLEND and wardrobe.network is None and self._preparing is None:
+            self._preparing = threading.Thread(target=self._prepare, daemon=True)
+            self._preparing.start()
+
+    def _prepare(self) -> None:
+        try:
+            self.session.prepare()
+        except Exception as error:  # the blended skin lives on
+            self._tell({"kind": "answer", "good": False, "text": f"no soft skin: {' '.join(str(error).split())}"})
+            return
+        with self._lock:
+            self.session.ready()
+            self._push()
+
+    def prepare(self) -> None:
+        """Wait until the soft skin is ready."""
+        if self.session.wardrobe.network is None:
+            self.session.prepare()
+        with self._lock:
+            self.session.ready()
 
     def _tick(self) -> None:
         now = time.perf_counter()
@@ -146,6 +184,12 @@ class HandView:
         """Play a clip by name, or go on with the one that is loaded."""
         self.message({"kind": "play", "speed": speed, "loop": loop, **({} if clip is None else {"clip": clip})})
 
+    def wear(self, skin: str | None = None, *, muscles: str | None = None) -> None:
+        """How the skin is worn (``"blend"``, ``"springs"``, ``"springs and muscles"``), which muscles contract, as in ``simulate``."""
+        given = {key: value for key, value in (("skin", skin), ("muscles", muscles)) if value is not None}
+        self.message({"kind": "wear", **given})
+        self._dress()
+
     def pause(self) -> None:
         """Stop the clip where it is."""
         self.message({"kind": "pause"})
@@ -161,7 +205,7 @@ class HandView:
             self._push()
 
     def look(self, **look: Any) -> None:
-        """Change ``skin``, ``bones`` or ``view`` of what is seen."""
+        """Change ``skin``, ``bones``, ``muscles``, ``tendons`` (false or true) or ``view`` of what is seen."""
         self.widget.options = {**self.widget.options, **look}
         self.widget.send({"kind": "look", **look})
 

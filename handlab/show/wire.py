@@ -185,7 +185,7 @@ def frame(
     skin: Array | None = None,
     segments: Ellipsoids | None = None,
 ) -> bytes:
-    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them. ``segments`` of the muscles, if they are seen."""
+    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them. ``segments`` of the muscles if they are seen."""
     parts = [
         np.array([time, seconds]),
         contraction,

@@ -21,7 +21,8 @@ from handlab.simulation.skin import normals
 # Assumptions, all chosen by eye on the reference hand.
 GAP = 0.0004  # metres between a muscle and the bone below it
 FAR_SKIN = 0.003  # metres of skin and fat that stay free where no bone lies below but the far side of the hand
-REST_SHARE = 0.65  # share of its largest thickness that a muscle at rest is fitted to, so that it has room to swell
+# Share of its largest thickness that a muscle at rest is fitted to: room to swell (set together with bulge.SHORTENING).
+REST_SHARE = 0.65
 NEAR_SKIN = 0.0008  # metres: where room is short a muscle may come this near to the skin
 REACH = 0.012  # metres an end may lie from its bone before the grid counts as painted in the wrong place
 SHORTEST = 0.0002  # metres: least side of a cell

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from handlab.anatomy.records import Array, Hand, Index, frozen
+from handlab.anatomy.records import Array, Hand, frozen
 from handlab.anatomy.terms import find
 from handlab.simulation import skin_kernel
 from handlab.simulation import soft_hold_kernel as limits
@@ -24,30 +24,31 @@ from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.skeleton import contraction_of, held_coordinates, integrate, substeps_of
 from handlab.simulation.skin import binding, blend_into
-from handlab.simulation.skeleton import contraction_of, integrate, held_coordinates, substeps_of
 from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
+from handlab.simulation.soft_skin_kernel import Node
 
 Skin = Literal["blend", "springs", "springs and muscles"]
 SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
 
-LONGEST = 1.9  # times its rest length: no edge is longer at the end of a frame
+LONGEST = 1.85  # times its rest length: no edge is longer at the end of a frame
 LEAST_TURN = 0.1  # cosine between a triangle's normal and the carried one, below which it is turned back
 PART, PASSES, ROUNDS = 0.5, 8, 12  # how far, how often, at most how many rounds of all limits
-BONE_ROUNDS = 10  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
+BONE_ROUNDS = 6  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
 CENTRE_PASSES = 6
 # A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.
 COLUMN_POWER, COLUMN, COLUMN_REACH, COLUMN_PASSES = 0.7, (0.6, 1.4), 0.010, 3
 LIFT = 0.012  # m: a node follows a muscle's surface by less than this
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
-# Skin keeps these shares of its rest distance from bone, each at most so many metres, whichever is more: tissue can be pressed so far.
-CLEARANCES = ((0.7, 0.0015), (0.4, 0.003))
-NEAR_BONE = 0.015  # m: bones that come this near a node in the bind posture are asked for
+CLEARANCE, MOST_CLEARANCE = 0.7, 0.0015  # skin keeps this share of its rest distance from bone, at most so many metres
+NEAR_BONE = 0.015  # m: bones of the palm that come this near a node in the bind posture are asked for
+OWN, FAR_BONE = 0.02, 0.020  # and within this reach those of bodies that have this weight in it
 
 
 class Anchors(NamedTuple):
-    """Where the network is tied at one moment: ``centre``, ``arm`` (3, n) of the mirrored pairs, and ``turn`` (4, n), how nodes are turned."""
+    """Where the network is tied at one moment: ``centre``, ``arm`` (3, n) of the mirrored pairs; ``turn`` (4, n), how nodes are turned."""
 
     centre: Array
     arm: Array
@@ -55,10 +56,10 @@ class Anchors(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """Which bones are looked up where: the middle of ``corner`` (p, 3) and the ``body`` (p,), with the ``clearance`` in metres that is kept."""
+    """Which bones are looked up where: the middle of nodes ``corner`` (p, 3), the ``body`` (p,), the ``clearance`` (p,) m that is kept."""
 
-    corner: Index
-    body: Index
+    corner: Node
+    body: Node
     clearance: Array
 
 
@@ -75,7 +76,9 @@ def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None =
     kernel.carried(quaternion, network.index, network.weight, network.centre, network.arm, out.turn, out.centre, out.arm)
     if ellipsoids is not None:
         ties = network.ties
-        kernel.lifted(*ties, network.centre, out.turn, *ellipsoids, LIFT, out.centre)
+        kernel.lifted(
+            ties.node, ties.ellipsoid, ties.share, ties.local, ties.below, network.centre, out.turn, *ellipsoids, LIFT, out.centre
+        )
     limits.unfold(out.centre, out.turn, network.faces, network.corner, LEAST_TURN, PART, CENTRE_PASSES)
     kernel.columns(
         out.centre,
@@ -129,15 +132,16 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
     Inverted means against the rotation of the skin's own blend, not of the anchors'.
     """
     pairs, field, bound = guard(hand), bone_field(hand), binding(hand)
+    field_arrays = (field.value, field.start, field.size, field.origin, field.spacing)
     quaternion, turn = np.empty((len(transforms), 8)), np.empty((4, position.shape[1]))
     skin_kernel.dual_quaternions(transforms, quaternion)
     kernel.turned(quaternion, bound.index, bound.weight, turn)
     faults = 0
     for k in range(ROUNDS):
+        if k < BONE_ROUNDS:
+            limits.out_of_bone(position, transforms, pairs.corner, pairs.body, pairs.clearance, *field_arrays)
         long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
         faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
-        if k < BONE_ROUNDS:
-            limits.out_of_bone(position, transforms, *pairs, *field)
         if not long and not faults:
             break
     return faults
@@ -156,10 +160,11 @@ def guard(hand: Hand) -> Guard:
     for b, name in enumerate(hand.body_names):
         bones = np.concatenate([bone.points[bone.faces].mean(axis=1) for bone in hand.bones.values() if bone.body == name])
         near = cKDTree(bones).query(places)[0]
-        mine = np.flatnonzero((near < NEAR_BONE) | (weights[:, b] > 0.01))
+        # Fingers cross in some postures: the skin of one must not be pushed out of its own bones by those of its neighbour.
+        mine = np.flatnonzero(((weights[:, b] > OWN) & (near < FAR_BONE)) | ((near < NEAR_BONE) & ("phalanx" not in name)))
         corner.append(corners[mine])
         body.append(np.full(len(mine), b))
-        clearance.append(np.max([np.minimum(share * near[mine], most) for share, most in CLEARANCES], axis=0))
+        clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
     return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
 
 

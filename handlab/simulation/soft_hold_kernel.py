@@ -116,7 +116,11 @@ def out_of_bone(
         t = transform[b]
         x, y, z = position[0, i], position[1, i], position[2, i]
         if j != i:
-            x, y, z = third * (x + position[0, j] + position[0, k]), third * (y + position[1, j] + position[1, k]), third * (z + position[2, j] + position[2, k])
+            x, y, z = (
+                third * (x + position[0, j] + position[0, k]),
+                third * (y + position[1, j] + position[1, k]),
+                third * (z + position[2, j] + position[2, k]),
+            )
         x, y, z = x - t[0, 3], y - t[1, 3], z - t[2, 3]
         u = (t[0, 0] * x + t[1, 0] * y + t[2, 0] * z - origin[b, 0]) / spacing
         v = (t[0, 1] * x + t[1, 1] * y + t[2, 1] * z - origin[b, 1]) / spacing
@@ -145,7 +149,11 @@ def out_of_bone(
             continue
         g = lack / math.sqrt(square)
         gu, gv, gw = g * gu, g * gv, g * gw
-        x, y, z = t[0, 0] * gu + t[0, 1] * gv + t[0, 2] * gw, t[1, 0] * gu + t[1, 1] * gv + t[1, 2] * gw, t[2, 0] * gu + t[2, 1] * gv + t[2, 2] * gw
+        x, y, z = (
+            t[0, 0] * gu + t[0, 1] * gv + t[0, 2] * gw,
+            t[1, 0] * gu + t[1, 1] * gv + t[1, 2] * gw,
+            t[2, 0] * gu + t[2, 1] * gv + t[2, 2] * gw,
+        )
         position[0, i] += x
         position[1, i] += y
         position[2, i] += z

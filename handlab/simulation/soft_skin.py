@@ -26,6 +26,7 @@ from handlab.physics.springs import (
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import packed
+from handlab.simulation.soft_skin_kernel import Node
 from handlab.simulation.soft_ties import Ties, ties_of
 from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, node_areas
 
@@ -40,23 +41,28 @@ DAMPING = 600.0  # 1/s: the slowest parts of the skin come to rest within a fram
 SHALLOWEST = 0.0015  # m: columns of tissue are not taken to be shorter; springs of the thinnest would set the step for all
 SMOOTHING = 1.0  # how far weights of deep nodes spread, against ``SMOOTHING_DEPTH``; see ``anchor_weights``
 SMOOTHING_DEPTH = 0.004  # m
-BELOW, BELOW_NEAR, BELOW_FAR = 0.9, 0.012, 0.020  # least weight of the bone below, up to which depth (m), and where it has faded: assumption
+BELOW, BELOW_NEAR, BELOW_FAR = (
+    0.9,
+    0.012,
+    0.020,
+)  # least weight of the bone below, up to which depth (m), and where it has faded: assumption
 
 
 @dataclass(frozen=True, eq=False)
 class Network:
     """Masses and springs of one hand, in the bind posture: n nodes, e edges; arrays of the kernels are (3, n).
 
-    ``first``, ``second`` (e,) nodes of each edge, ``stiffness`` (e,) N/m, ``rest`` (e,) m; ``mass`` (n,) kg. Per node: ``points`` (n, 3),
-    ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the anchor, ``hold`` (n,) N/m of one of the two
-    springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres, ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
+    ``first``, ``second`` (e,) nodes of each edge, ``stiffness`` (e,) N/m, ``rest`` (e,) m natural and ``longest`` (e,) m bind length;
+    ``mass`` (n,) kg. Per node: ``points`` (n, 3), ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the
+    anchor, ``hold`` (n,) N/m of one of the two springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres,
+    ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
     ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
     """
 
     points: Array
-    faces: Index
-    first: Index
-    second: Index
+    faces: Node
+    first: Node
+    second: Node
     stiffness: Array
     rest: Array
     slack: float
@@ -68,7 +74,7 @@ class Network:
     depth: Array
     area: Array
     degree: Array
-    index: Index
+    index: Node
     weight: Array
     damping: float
     frequency: float
@@ -148,7 +154,7 @@ def soft_skin(
     return kept[key]
 
 
-def anchor_weights(hand: Hand, edges: Index, depth: Array, nearest: Index) -> tuple[Index, Array]:
+def anchor_weights(hand: Hand, edges: Index, depth: Array, nearest: Index) -> tuple[Node, Array]:
     """Blend weights (n, 4) by which anchors move: those of the skin, with two changes.
 
     An anchor on one bone alone would tear the net at every joint, so anchors move with the dual-quaternion blend. But the body whose bone

@@ -203,10 +203,10 @@ def columns(
     reach: float,
     passes: int,
 ) -> None:
-    """Columns of tissue keep their volume, in place: where the net of ``centre`` (3, n) is stretched they get shorter, where pressed longer.
+    """Columns of tissue keep their volume, in place: shorter where the net of ``centre`` (3, n) is stretched, longer where it is pressed.
 
     A column's length changes by (area / area now) ** ``power``, evened out along the edges ``passes`` times, between ``low`` and ``high``,
-    and by 1 + ``swelling``; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,) counts the edges of each node.
+    and by 1 + ``swelling``, less below taut skin; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,) counts the edges of each node.
     """
     nodes = centre.shape[1]
     now, mean = np.zeros(nodes), np.empty(nodes)
@@ -230,7 +230,9 @@ def columns(
         for i in range(nodes):
             now[i] = 0.5 * now[i] + 0.5 * mean[i] / degree[i]
     for i in range(nodes):
-        g = min(max((1.0 + now[i]) ** (-power), low), high) * (1.0 + swelling) - 1.0
+        # what fills the volume goes where skin is loose, not below taut skin
+        loose = min(max(1.0 - 2.0 * now[i], 0.0), 2.0)
+        g = min(max((1.0 + now[i]) ** (-power), low), high) * (1.0 + loose * swelling) - 1.0
         g *= min(1.0, reach / depth[i])
         for d in range(3):
             centre[d, i] += g * arm[d, i]
@@ -239,7 +241,7 @@ def columns(
 
 @compiled
 def framed(before: Array, centre: Array, arm: Array, share: float, anchor: Array) -> None:
-    """Fill ``anchor`` (10, n) of ``leapfrog`` from centres ``before`` and at the end of the frame, and arms; rest lengths are ``share`` of the arms."""
+    """Fill ``anchor`` (10, n) of ``leapfrog``: centres ``before`` and at the end, arms, and rest lengths, ``share`` of the arms."""
     for i in range(centre.shape[1]):
         for d in range(3):
             anchor[d, i] = before[d, i]

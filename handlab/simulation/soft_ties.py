@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from handlab.anatomy.meshes import Mesh
-from handlab.anatomy.records import Array, Index, frozen
+from handlab.anatomy.records import Array, frozen
 from handlab.simulation.geometric_muscle import GeometricMuscles
+from handlab.simulation.soft_skin_kernel import Node
 
 NEAR = 0.004  # m: a node this near a muscle moves with it wholly: assumption
 FAR = 0.010  # m: a node this far feels nothing of it: assumption; tissue between them gives way
@@ -21,8 +22,8 @@ class Ties(NamedTuple):
     ``local`` (t, 3): the foot on the ellipsoid in its half-axes, a unit vector; ``below`` (t, 3) m from the node's rest place to the foot.
     """
 
-    node: Index
-    ellipsoid: Index
+    node: Node
+    ellipsoid: Node
     share: Array
     local: Array
     below: Array

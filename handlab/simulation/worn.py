@@ -62,8 +62,8 @@ class Worn:
 
     def points(self, frame: int) -> Array:
         """Skin points (N, 3) in a frame."""
-        k = self._made(frame)
-        return frozen(self._points[k], np.float64)
+        points: Array = frozen(self._points[self._made(frame)], np.float64)
+        return points
 
     def swelling(self, frame: int) -> float:
         """Relative stretch of all columns of tissue in a frame, which keeps the volume."""
@@ -121,9 +121,7 @@ def worn(
     return Worn(skin, np.empty((len(time), *hand.skin.points.shape), dtype=np.float32), frames())
 
 
-def dress(
-    hand: Hand, state: State, contraction: ArrayLike | None = None, *, skin: str = SKINS[2], network: Network | None = None
-) -> State:
+def dress(hand: Hand, state: State, contraction: ArrayLike | None = None, *, skin: str = SKINS[2], network: Network | None = None) -> State:
     """The state with its skin worn as ``skin`` says, at rest, geometric muscles at ``contraction`` (muscle,), none if not given."""
     chosen = skin_worn(skin)
     net = soft_skin(hand) if network is None else network

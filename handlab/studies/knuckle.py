@@ -21,7 +21,7 @@ from handlab.studies.places import joint_place
 
 WAYS = ("linear", *SKINS)
 REACH = 0.012  # on either side of a joint
-GIRTH = 0.030  # a finger's skin lies nearer to its joint than this; at the wrist and the knuckles of the palm more is asked for
+GIRTH = 0.020  # a finger's skin lies nearer to its joint than this; at the wrist more is asked for
 LINE = 0.0125  # on either side: 25 mm of ink
 
 
@@ -40,9 +40,7 @@ class Ink(NamedTuple):
     share: Array
 
 
-def worn(
-    hand: Hand, state: State, way: str = SKINS[1], *, network: Network | None = None, contraction: ArrayLike | None = None
-) -> Array:
+def worn(hand: Hand, state: State, way: str = SKINS[1], *, network: Network | None = None, contraction: ArrayLike | None = None) -> Array:
     """Points (N, 3) of the even skin at rest in the posture of ``state``.
 
     ``way``: ``"linear"`` (averaged matrices), ``"blend"`` (dual quaternions), ``"springs"``, ``"springs and muscles"``. ``network``: one
@@ -51,7 +49,8 @@ def worn(
     name = find(way, WAYS, kind="way to wear the skin")
     if name in ("linear", "blend"):
         return blend(hand, state.angle, method="linear" if name == "linear" else "dual")
-    return begin(hand, soft_skin(hand) if network is None else network, state.angle, contraction, skin=find(name, SKINS, kind="skin")).points
+    net = soft_skin(hand) if network is None else network
+    return begin(hand, net, state.angle, contraction, skin=next(skin for skin in SKINS if skin == name)).points
 
 
 def signed_volume(points: Array, faces: Index) -> float:

@@ -11,7 +11,6 @@ from handlab.anatomy.grids import MuscleGrid, load_grid, load_grids, save_grids
 from handlab.anatomy.terms import UnknownName
 
 
-
 @pytest.fixture(scope="module")
 def grid():
     return next(grid for grid in load_grids() if grid.name == "abductor_digiti_minimi")
@@ -153,7 +152,11 @@ def test_a_grid_off_the_skin_is_refused(grid):
 def test_broken_files_say_which_and_why(grid, tmp_path):
     file = save_grids(tmp_path, [grid])[0]
     row = json.loads(file.read_text(encoding="utf-8"))
-    for text, words in (("{", "abductor"), ("[]", "no muscle grid"), (json.dumps({k: v for k, v in row.items() if k != "bones"}), "'bones'")):
+    for text, words in (
+        ("{", "abductor"),
+        ("[]", "no muscle grid"),
+        (json.dumps({k: v for k, v in row.items() if k != "bones"}), "'bones'"),
+    ):
         file.write_text(text, encoding="utf-8")
         with pytest.raises(ValueError, match=words):
             load_grid(file)

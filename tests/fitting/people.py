@@ -9,8 +9,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 import handlab as hl
+from handlab.fitting import marks
 from tools.people.cage import fine_from_cage
 
 FILE = Path(__file__).parents[1] / "data" / "people.npz"
@@ -60,11 +62,11 @@ def everyone():
     for i, name in enumerate(stored["name"].tolist()):
         cage = stored["size"][i] * base + STEP * stored["delta"][i]
         centres = dict(zip(CENTRES, STEP * stored["centre"][i], strict=True))
-        marks = {
+        places = {
             view: dict(zip(reference.feature_points, STEP * stored["mark"][i, v], strict=True))
             for v, view in enumerate(("palmar", "dorsal"))
         }
-        people[name] = Person(name, float(stored["size"][i]), np.asarray(smooth @ cage), faces, centres, marks)
+        people[name] = Person(name, float(stored["size"][i]), np.asarray(smooth @ cage), faces, centres, places)
     return people
 
 
@@ -83,15 +85,28 @@ def reference_person():
 
 def bound_centres(hand):
     """Joint centres and tips of a hand in its bind posture; a tip is the last point of the skin along the distal phalanx."""
-    from handlab.simulation.kinematics import body_transforms, rotation
-
-    bodies = dict(zip(hand.body_names, body_transforms(hand, hand.bind), strict=True))
-    centres = {}
-    for name, joint in hand.joints.items():
-        body = bodies[joint.parent]
-        if name == "cmc1":  # it lies distal of the thumb's first axis and turns about it
-            body = body @ rotation(joint.dofs[0].axis, joint.dofs[0].anchor, hand.bind[hand.dof_names.index(joint.dofs[0].name)])
-        centres[name] = body[:3, :3] @ joint.centre + body[:3, 3]
+    centres = marks.bound_centres(hand)
     for k, digit in enumerate(("thumb", "index", "middle", "ring", "little"), start=1):
         centres[f"tip{k}"] = hand.skin.points[hand.feature_points[f"tip_{digit}"]["palmar"]]
     return centres
+
+
+def hand_lengths_mm(hand):
+    """Bone lengths of a hand, as ``Person.lengths_mm``."""
+    centres = bound_centres(hand)
+    return {bone: 1e3 * float(np.linalg.norm(centres[bone[0]] - centres[bone[1]])) for bone in BONES}
+
+
+def rigidly(points, onto):
+    """``points`` turned and shifted (not scaled) onto corresponding points (Kabsch 1976)."""
+    a, b = points - points.mean(axis=0), onto - onto.mean(axis=0)
+    left, _, right = np.linalg.svd(b.T @ a)
+    turn = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+    return a @ turn.T + onto.mean(axis=0)
+
+
+def skin_error_mm(skin, person):
+    """Mean distance of a hand's fine skin from the person's skin, after rigid alignment."""
+    corner = person.skin[person.faces]
+    dense = np.vstack([person.skin, corner.mean(axis=1), ((corner + np.roll(corner, 1, axis=1)) / 2).reshape(-1, 3)])
+    return 1e3 * float(cKDTree(dense).query(rigidly(skin, person.skin))[0].mean())

@@ -137,7 +137,9 @@ def triangular_sheet(rows, columns, side):
 
 
 def sheet_stiffness(points, faces, young, thickness):
-    edges, inverse = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0, return_inverse=True)
+    edges, inverse = np.unique(
+        np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0, return_inverse=True
+    )
     corner = points[faces]
     area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1) / 2
     both = np.zeros(len(edges))

@@ -5,7 +5,8 @@ import pytest
 
 from handlab.show.muscle_layer import MuscleLayer, grid_picture, picture, tones
 from handlab.show.scene import Scene
-from handlab.simulation.geometric_muscle import geometric_muscles
+from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles
+from handlab.simulation.muscle_surface import surface_points
 
 SIZE = (220, 280)
 
@@ -43,6 +44,10 @@ def test_points_are_replaced_in_place(hand):
         layer.pose(angle, np.ones(len(hand.muscles)))
         assert {name: scene.plotter.actors[name] for name in scene.plotter.actors} == actors
         assert np.abs(scene.picture().astype(int) - before).mean() > 0.3
+        drawn = scene.plotter.actors["muscle opponens_pollicis"].mapper.dataset.points
+        muscles = geometric_muscles(hand)
+        meant = surface_points(muscles, ellipsoids(hand, angle, np.ones(len(hand.muscles))))[muscles.index("opponens_pollicis")]
+        np.testing.assert_allclose(drawn, meant, atol=1e-6)
         layer.pose(hand.bind)
         assert np.abs(scene.picture().astype(int) - before).mean() < 0.01
 

@@ -56,14 +56,14 @@ def test_rays_meet_what_vtk_says_they_meet(hand, rng):
 def test_depth_counts_to_the_bone_or_to_the_far_skin(hand):
     """Over the middle of a metacarpal bone comes first; between two of them the far skin, less what must stay free."""
     m3 = hand.bones["metacarpal_3"].points.mean(axis=0)
-    over = np.array([m3 + [0.0, 0.05, 0.0]])
+    over = (m3 + np.array([0.0, 0.05, 0.0]))[None]
     skin = np.ascontiguousarray(hand.skin.points[hand.skin.faces])
     down = np.array([[0.0, -1.0, 0.0]])
     place = over + first_hit(over, down, skin)[0][:, None] * down
     depth = depth_below(hand, place, -down)
     assert depth[0] == pytest.approx(first_hit(place, down, bone_corners(hand))[0][0], abs=1e-9)
     tip = hand.skin.points[hand.skin.points[:, 1].argmax()]
-    aside = np.array([tip]) + [[0.0, 0.0, 0.0]]
+    aside = tip[None].copy()
     through = first_hit(aside - [[0.0, 1e-5, 0.0]], down, skin)[0][0]
     bone = first_hit(aside, down, bone_corners(hand))[0][0]
     assert depth_below(hand, aside, -down)[0] == pytest.approx(min(bone, through + 1e-5 - FAR_SKIN), abs=3e-5)
@@ -272,7 +272,7 @@ def test_painting_beside_the_skin_or_for_nobody_is_refused(hand):
     points = on_palm(hand, (0.022, 0.032, 0.042))
     more = {"thickness": (0.001, 0.004), "bones": "metacarpal_5", "on_bone": (False, False)}
     with pytest.raises(ValueError, match=r"lies off the skin: a point is 1\d mm away"):
-        paint(hand, "mine", points + [0.0, 0.012, 0.0], drives="FDM", **more)
+        paint(hand, "mine", points + np.array([0.0, 0.012, 0.0]), drives="FDM", **more)
     with pytest.raises(UnknownName, match="flexor"):
         paint(hand, "mine", points, drives="flexor_digiti", **more)
     with pytest.raises(ValueError, match="finite"):
@@ -298,3 +298,20 @@ def test_normals_below_which_muscles_lie_are_even(hand):
     raw = normals(hand, hand.skin.points)
     turn = [np.einsum("ij,ij->i", n[edges[:, 0]], n[edges[:, 1]]).mean() for n in (even, raw)]
     assert turn[0] > turn[1]
+
+
+@pytest.mark.parametrize("clip", ["fist", "key-pinch", "opposition-little", "spread"])
+def test_muscles_stay_out_of_bone_when_the_hand_moves(hand, muscles, sphere, clip):
+    """Not deeper than 2.5 mm anywhere, and less than a fifth of any muscle's surface (they are bound to bones, not pushed by them)."""
+    from handlab.simulation.geometric_muscle import ellipsoids
+    from handlab.simulation.kinematics import posed_bone
+
+    angle = hl.simulate(hand, hl.keyframes(clip)).angle[-1]
+    bones = np.concatenate([posed_bone(hand, name, angle)[bone.faces] for name, bone in hand.bones.items()])
+    found = ellipsoids(hand, angle)
+    for name in muscles.names:
+        points = surface_of(found, muscles.of(name), sphere[:60])
+        inside = points[winding(points, bones) > 0.5]
+        assert len(inside) < 0.2 * len(points), name
+        if len(inside):
+            assert closest(np.ascontiguousarray(inside), bones)[0].max() < 2.5e-3, name

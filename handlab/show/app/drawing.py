@@ -9,16 +9,19 @@ import asyncio
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from handlab.anatomy.records import Hand, frozen
+from handlab.show.keepsakes import kept_skin
+from handlab.show.wardrobe import BLEND
 from handlab.simulation.clip import Clip
 
 ARRAYS = ("time", "contraction", "angle", "speed", "fibre_length", "force", "torque")
+SKIN = "skin"
 LONGEST_S = 600.0
 
 
@@ -27,14 +30,17 @@ class DrawingFailed(RuntimeError):  # noqa: N818 (reads as what it is)
 
 
 def pack(clip: Clip, path: Path) -> None:
-    """Write the arrays of a clip."""
-    np.savez(path, **{name: getattr(clip, name) for name in ARRAYS})
+    """Write the arrays of a clip, and its soft skin if it has one."""
+    soft = {} if clip.worn is None else {SKIN: clip.worn.all_points()}
+    np.savez(path, **{name: getattr(clip, name) for name in ARRAYS}, **soft)
 
 
-def unpack(path: Path, hand: Hand, fps: float, name: str) -> Clip:
+def unpack(path: Path, hand: Hand, fps: float, name: str, wear: str = BLEND, muscles: str = "both") -> Clip:
     """Read what ``pack`` wrote."""
     with np.load(path, allow_pickle=False) as kept:
-        return Clip(hand=hand, **{name: frozen(kept[name]) for name in ARRAYS}, fps=fps, name=name)
+        worn = kept_skin(wear, kept[SKIN]) if SKIN in kept else None
+        arrays: dict[str, Any] = {name: frozen(kept[name]) for name in ARRAYS}
+        return Clip(hand=hand, **arrays, fps=fps, name=name, worn=worn, muscles=muscles)
 
 
 async def draw(clip: Clip, out: Path, how: Mapping[str, Any], folder: Path) -> None:
@@ -47,6 +53,7 @@ async def draw(clip: Clip, out: Path, how: Mapping[str, Any], folder: Path) -> N
     about = {
         "recording": str(recording), "out": str(out), "fps": clip.fps, "name": clip.name,
         "side": hand.side, "reading": hand.reading, "newton_per_percent": hand.newton_per_percent, "how": dict(how),
+        "wear": clip.wear, "muscles": clip.muscles,
     }  # fmt: skip
     process = None
     try:
@@ -89,6 +96,7 @@ def picture_plan(
     skin: str = "solid",
     bones: bool = True,
     muscles: bool = True,
+    layers: Sequence[str] = (),
     size: tuple[int, int] = (1280, 720),
 ) -> Any:
     """A layout of one tile, seen from a named view or through the viewer's own ``camera``.
@@ -99,7 +107,7 @@ def picture_plan(
 
     from handlab.show.tiles import layout
 
-    plan = layout(view, skin, bones, size, muscles)
+    plan = layout(view, skin, bones, size, muscles, layers)
     return plan if camera is None else replace(plan, camera=aimed(camera))
 
 
@@ -126,7 +134,7 @@ def main(job: Path) -> None:
 
     about = json.loads(job.read_text(encoding="utf-8"))
     hand = load_hand(side=about["side"], reading=about["reading"]).with_newton_per_percent(about["newton_per_percent"])
-    clip = unpack(Path(about["recording"]), hand, about["fps"], about["name"])
+    clip = unpack(Path(about["recording"]), hand, about["fps"], about["name"], about["wear"], about["muscles"])
     how, out = dict(about["how"]), Path(about["out"])
     rate = float(how.pop("fps", 30.0))
     if "size" in how:

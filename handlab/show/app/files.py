@@ -87,7 +87,9 @@ async def write(wish: Wish, path: Path, folder: Path) -> None:
     from handlab.show.save import save
 
     what = wish.story.clip if wish.story.clip is not None else wish.story.state
-    await asyncio.to_thread(save, what, path, hand=wish.story.hand)
+    given = arguments(wish) if wish.format == "html" else {}
+    seen = {key: given[key] for key in ("view", "skin", "bones", "layers") if key in given}
+    await asyncio.to_thread(save, what, path, hand=wish.story.hand, **seen)
 
 
 def arguments(wish: Wish) -> dict[str, Any]:
@@ -95,6 +97,8 @@ def arguments(wish: Wish) -> dict[str, Any]:
     look = wish.look
     how: dict[str, Any] = {key: str(look[key]) for key in ("view", "skin") if isinstance(look.get(key), str)}
     how |= {key: look[key] for key in ("bones", "muscles") if isinstance(look.get(key), bool)}
+    if isinstance(look.get("layers"), list | tuple):
+        how["layers"] = [str(one) for one in look["layers"]][:2]
     camera = look.get("camera")
     if isinstance(camera, dict) and all(isinstance(camera.get(key), list | tuple) for key in CAMERA):
         how["camera"] = {**{key: [float(value) for value in camera[key]] for key in CAMERA}, "distance": float(camera.get("distance", 0))}

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from wslink import register
 from wslink.websocket import LinkProtocol
 
+from handlab.show.wardrobe import BLEND
+
 if TYPE_CHECKING:
     from handlab.show.app.guard import Guard
     from handlab.show.session import Session, Wish
@@ -23,6 +25,8 @@ RATE = 60.0  # frames per second at most
 SHORTEST = 0.004  # s between two steps, however many messages come
 CREDIT = 2  # frames on their way to a page at once: one travels while the other is drawn
 PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
+
+PREPARE_AFTER = 0.5  # s: the page draws the hand first
 
 F = TypeVar("F", bound=Callable[..., Any])
 called: Callable[[str], Callable[[F], F]] = register  # a page calls the method by this name
@@ -44,6 +48,7 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
         self._last: bytes | None = None
         self._wake = asyncio.Event()
         self._work: set[asyncio.Task[None]] = set()
+        self._preparing = False
 
     async def validateToken(self, token: object, client_id: str) -> bool:
         """Whether a page knows the key."""
@@ -63,6 +68,7 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             if self.session is not None:
                 self.session.refresh()
                 self._wake.set()
+                self._dress()
         elif page in self._credit:
             self._credit[page] = min(self._credit[page] + 1, CREDIT)
             if page in self._behind and self._last is not None:
@@ -80,6 +86,7 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             self._complain(f"the message {str(message)[:80]!r} failed: {type(error).__name__}: {error}")
             self.tell({"kind": "answer", "good": False, "text": f"that did not work: {error}"}, page)
         self._pass_on(page)
+        self._dress()
         for wish in self.session.wishes():
             self._start(self._grant(wish, page))
         self._wake.set()
@@ -92,6 +99,26 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
         assert self.session is not None
         for reply in self.session.replies():
             self.tell(reply, page if reply.get("kind") in PRIVATE else None)
+
+    def _dress(self) -> None:
+        """Make the soft skin ready beside the loop, once it is wanted and someone looks."""
+        assert self.session is not None
+        wardrobe = self.session.wardrobe
+        if wardrobe.wear != BLEND and wardrobe.network is None and not self._preparing:
+            self._preparing = True
+            self._start(self._prepare(self.session))
+
+    async def _prepare(self, session: Session) -> None:
+        await asyncio.sleep(PREPARE_AFTER)
+        try:
+            await asyncio.to_thread(session.prepare)
+        except Exception as error:  # the blended skin lives on
+            self._complain(f"no soft skin: {type(error).__name__}: {error}")
+            self.tell({"kind": "answer", "good": False, "text": f"no soft skin: {error}"})
+            return
+        session.ready()
+        self._pass_on()
+        self._wake.set()
 
     def _start(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)

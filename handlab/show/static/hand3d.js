@@ -297,7 +297,7 @@ export class Hand3D {
     const { muscles, tendons, skin } = this.look;
     if (!this.flesh || skin === "solid") return [0, 0];
     const some = muscles && this.segments;
-    return [some ? 0 : this.flesh.split, tendons ? this.flesh.faces.length : some ? this.flesh.split : this.flesh.split];
+    return [some ? 0 : this.flesh.split, tendons ? this.flesh.faces.length : this.flesh.split];
   }
 
   // Only what is seen is computed.

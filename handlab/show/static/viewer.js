@@ -4,7 +4,7 @@
 //
 // transport: { scene: Promise of what wire.scene() packs, send(message), onMessage(callback) }, messages as in session.py; frames and
 //   the `data` of messages are bytes. `ticks: "client"`: the host answers {kind: "tick"} and has no clock. `recorded: true`: nothing can be set.
-// options: { skin, bones, view, panels: false, embedded: true (a wheel scrolls the page until the hand is clicked), play: clip name }
+// options: { skin, bones, view, layers: ["muscles", "tendons"], panels: false, embedded: true (a wheel scrolls the page until the hand is clicked), play: clip name }
 
 import { Hand3D, asBytes, unpackFrame, unpackScene } from "./hand3d.js";
 import { MOST_LINES, Track, drawCurves } from "./plots.js";
@@ -86,7 +86,8 @@ class Viewer {
     this.canvas.setAttribute("role", "img");
     this.stage = make("div", { className: "hl-stage" }, this.canvas);
     root.append(this.muscles(), this.stage, this.player(), this.curves(), this.joints(), this.tabs());
-    this.hand = new Hand3D(this.canvas, scene, { skin: options.skin || "solid", bones: options.bones !== false, view: options.view || "palm", muscles: !!options.muscles, tendons: !!options.tendons });
+    const asked = options.layers || [];
+    this.hand = new Hand3D(this.canvas, scene, { skin: options.skin || "solid", bones: options.bones !== false, view: options.view || "palm", muscles: asked.includes("muscles"), tendons: asked.includes("tendons") });
     this.hand.ondraw = () => this.drawn();
     this.stage.append(this.looks(), this.actions(), (this.tag = make("div", { className: "hl-tag", hidden: true })));
     this.stage.append((this.saying = make("div", { className: "hl-say", hidden: true })));
@@ -473,7 +474,7 @@ class Viewer {
 
   begin() {
     if (this.transport.recorded) this.transport.send({ kind: "hello" });
-    if (this.options.muscles || this.options.tendons) this.setLook({});
+    if (this.options.layers?.length) this.setLook({});
     if (this.options.play) this.send({ kind: "play", clip: this.options.play, loop: !!this.options.loop });
     this.tick();
   }

@@ -1,0 +1,265 @@
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handlab.anatomy.records import Mesh
+from handlab.physics import springs
+from handlab.physics.distance import closest, winding
+from handlab.simulation import soft_frame, soft_hold_kernel
+from handlab.simulation import soft_skin_kernel as kernel
+from handlab.simulation.bone_field import bone_field
+from handlab.simulation.geometric_muscle import geometric_muscles
+from handlab.simulation.kinematics import relative_transforms
+from handlab.simulation.play import simulate
+from handlab.simulation.soft_frame import anchors, at_bind, begin, first_frame, follow, frame
+from handlab.simulation.soft_skin import PAIR_REST, soft_skin
+from handlab.simulation.surface_graph import edges_of
+
+sys.path.insert(0, str(Path(__file__).parents[2]))  # for tools
+
+from tools import soak
+
+FRAME = 1 / 60
+
+
+@pytest.fixture(scope="module")
+def network(hand):
+    return soft_skin(hand)
+
+
+@pytest.fixture(scope="module")
+def judge(hand, network):
+    return soak.Judge(hand, network)
+
+
+def forces(network, x, centre, arm):
+    """Forces (n, 3) of all springs, from the plain laws."""
+    i, j = network.first.astype(int), network.second.astype(int)
+    way = x[j] - x[i]
+    length = np.linalg.norm(way, axis=1)
+    strain = 1 - network.rest / length
+    pull = (network.stiffness * np.where(strain > 0, strain, network.slack * strain))[:, None] * way
+    total = springs.mirrored_pair(x, centre, arm, network.hold, PAIR_REST * np.linalg.norm(arm, axis=1))
+    np.add.at(total, i, pull)
+    np.add.at(total, j, -pull)
+    return total
+
+
+def run(network, x, v, centre, arm, dt, steps, hold=None, damping=0.0, slack=None, rest=None):
+    block, x, v = np.empty((10, len(x))), np.ascontiguousarray(x.T), np.ascontiguousarray(v.T)
+    still = np.ascontiguousarray(centre.T)
+    kernel.framed(still, still, np.ascontiguousarray(arm.T), PAIR_REST, block)
+    held, slack = network.hold if hold is None else hold, network.slack if slack is None else slack
+    relaxed = network.rest if rest is None else rest
+    edges = (network.first, network.second, network.stiffness, relaxed)
+    kernel.leapfrog(x, v, np.empty_like(x), *edges, slack, block, held, network.inverse_mass, dt, steps, damping)
+    return x.T, v.T
+
+
+def test_the_kernel_computes_the_plain_laws(network, rng):
+    x = network.points + rng.normal(0, 2e-4, network.points.shape)
+    v = rng.normal(0, 0.01, x.shape)
+    dt, damping = 1e-4, 300.0
+    moved, speed = run(network, x, v, network.centre, network.arm, dt, 1, damping=damping)
+    kept, gained = springs.leapfrog_factors(dt, damping)
+    expected = kept * v + gained * forces(network, x, network.centre, network.arm) * network.inverse_mass[:, None]
+    np.testing.assert_allclose(speed, expected, atol=1e-10)
+    np.testing.assert_allclose(moved, x + dt * expected, atol=1e-14)
+
+
+def test_in_the_bind_posture_taut_skin_rests_where_it_is(network):
+    balance = np.abs(forces(network, network.points, network.centre, network.arm)).max()
+    assert balance < 1e-9
+    moved, _ = run(network, network.points, np.zeros_like(network.points), network.centre, network.arm, 2e-4, 500, damping=network.damping)
+    assert np.abs(moved - network.points).max() < 1e-9
+
+
+def test_without_anchors_and_damping_the_momentum_of_the_skin_is_kept(network, rng):
+    v = rng.normal(0, 0.01, network.points.shape)
+    _, speed = run(network, network.points, v, network.centre, network.arm, 2e-4, 2000, hold=np.zeros(len(v)))
+    np.testing.assert_allclose(network.mass @ speed, network.mass @ v, atol=1e-15)
+
+
+def test_over_ten_thousand_steps_the_energy_stays_bounded(network, rng):
+    """Full springs, so that energy has a simple form."""
+    i, j = network.first.astype(int), network.second.astype(int)
+    x, v = network.points + rng.normal(0, 2e-5, network.points.shape), np.zeros_like(network.points)
+    below, above = network.centre - network.arm, network.centre + network.arm
+    rest, dt = PAIR_REST * np.linalg.norm(network.arm, axis=1), FRAME / network.substeps(FRAME)
+
+    def energy(x, v):
+        stretch = np.linalg.norm(x[j] - x[i], axis=1) - network.rest
+        pair = sum((np.linalg.norm(x - a, axis=1) - rest) ** 2 for a in (below, above))
+        return 0.5 * ((network.stiffness * stretch**2).sum() + (network.hold * pair).sum() + (network.mass * (v**2).sum(axis=1)).sum())
+
+    ground = energy(network.points, np.zeros_like(v))
+    found = []
+    for _ in range(100):
+        x, v = run(network, x, v, network.centre, network.arm, dt, 100, slack=1.0)
+        half = v + 0.5 * dt * forces_full(network, x) * network.inverse_mass[:, None]
+        found.append(energy(x, half) - ground)
+    found = np.array(found)
+    assert found.min() > 0.7 * found.mean() and found.max() < 1.3 * found.mean()
+    assert found[-20:].mean() == pytest.approx(found[:20].mean(), rel=0.05)
+
+
+def forces_full(network, x):
+    way = x[network.second.astype(int)] - x[network.first.astype(int)]
+    pull = (network.stiffness * (1 - network.rest / np.linalg.norm(way, axis=1)))[:, None] * way
+    total = springs.mirrored_pair(x, network.centre, network.arm, network.hold, PAIR_REST * np.linalg.norm(network.arm, axis=1))
+    np.add.at(total, network.first.astype(int), pull)
+    np.add.at(total, network.second.astype(int), -pull)
+    return total
+
+
+@pytest.mark.parametrize(("factor", "stable"), [(0.99, True), (1.01, False)])
+def test_the_predicted_step_is_right_within_two_percent(network, rng, factor, stable):
+    """A push of a micrometre: it stays one, or it grows."""
+    dt = factor * springs.stable_step(network.frequency)
+    start = network.points + rng.normal(0, 1e-6, network.points.shape)
+    moved, _ = run(network, start, np.zeros_like(start), network.centre, network.arm, dt, 4000, slack=1.0)
+    grown = np.abs(moved - network.points).max()
+    assert (grown < 2e-5) if stable else not (grown < 1e-3)
+
+
+def test_twice_the_stiffness_needs_the_root_of_two_more_substeps(hand, network):
+    twice = soft_skin(hand, 2 * network.young, tissue=2 * network.tissue)
+    assert twice.frequency / network.frequency == pytest.approx(np.sqrt(2), rel=1e-3)
+
+
+def test_the_order_in_time_is_two(network, rng):
+    """Against a run with very small steps; the springs stay taut."""
+    start = network.points + rng.normal(0, 1e-6, network.points.shape)
+    seconds, counts = 2e-3, np.array([10, 20, 40])
+
+    def end(n):
+        dt = seconds / n
+        v = -0.5 * dt * forces_full(network, start) * network.inverse_mass[:, None]
+        return run(network, start, v, network.centre, network.arm, dt, n, slack=1.0)[0]
+
+    exact = end(2560)
+    error = [np.linalg.norm(end(n) - exact) for n in counts]
+    assert -np.polyfit(np.log(counts), np.log(error), 1)[0] == pytest.approx(2.0, abs=0.1)
+
+
+def test_the_bone_field_is_a_signed_distance(hand, rng):
+    field = bone_field(hand)
+    for name in ("metacarpal_4", "distal_phalanx_2"):
+        b = hand.body_names.index(name)
+        place = rng.integers(1, field.size[b] - 1, (1500, 3))
+        corners = np.ascontiguousarray(hand.bones[name].points[hand.bones[name].faces])
+        points = field.origin[b] + place * field.spacing
+        exact = closest(points, corners)[0] * np.where(winding(points, corners) > 0.5, -1, 1)
+        found = field.value[field.start[b] + (place[:, 0] * field.size[b, 1] + place[:, 1]) * field.size[b, 2] + place[:, 2]]
+        near = np.abs(exact) < 0.002
+        assert np.abs(found - exact)[near].max() < 0.0005 and np.median(np.abs(found - exact)[near]) < 0.0001
+        assert (np.sign(found) == np.sign(exact))[~near].all()
+
+
+def test_a_node_in_bone_is_pushed_out_to_its_clearance(hand):
+    pairs, field = soft_frame.guard(hand), bone_field(hand)
+    position = np.ascontiguousarray(hand.skin.points.T)
+    bone = hand.bones["proximal_phalanx_3"]
+    b = hand.body_names.index("proximal_phalanx_3")
+    node = int(np.linalg.norm(hand.skin.points - bone.points.mean(axis=0), axis=1).argmin())
+    position[:, node] = 0.7 * bone.points[5] + 0.3 * bone.points.mean(axis=0)
+    mine = (pairs.corner == node).all(axis=1) & (pairs.body == b)
+    only = soft_frame.Guard(*(v[mine] for v in pairs))
+    for _ in range(3):
+        soft_hold_kernel.out_of_bone(position, relative_transforms(hand, hand.bind), *only, *field)
+    corners = np.ascontiguousarray(bone.points[bone.faces])
+    point = np.ascontiguousarray(position[:, node][None])
+    assert winding(point, corners)[0] < 0.5
+    assert only.clearance[0] - 0.0004 < closest(point, corners)[0][0] < only.clearance[0] + 0.001
+
+
+def test_a_triangle_that_was_turned_over_is_turned_back(network):
+    position = np.ascontiguousarray(network.points.T)
+    face = network.faces[1000].astype(int)
+    position[:, face[0]] += 2.0 * (position[:, face[1:]].mean(axis=1) - position[:, face[0]])
+    turn = np.zeros_like(np.vstack([position, position[:1]]))
+    turn[0] = 1.0
+    last = 1
+    for _ in range(20):
+        last = soft_hold_kernel.unfold(position, turn, network.faces, network.corner, 0.1, 0.5, 8)
+        if not last:
+            break
+    assert last == 0
+
+
+@pytest.mark.parametrize("faces", [[[0, 1, 2]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]]])
+def test_an_open_or_branching_mesh_is_refused(faces, rng):
+    with pytest.raises(ValueError, match=r"open edges.*close it"):
+        edges_of(Mesh(rng.normal(size=(5, 3)), np.array(faces)))
+
+
+@pytest.mark.parametrize("wrong", [{"young": 0.0}, {"young": -1.0}, {"tissue": np.nan}, {"slack": -0.1}, {"thickness": np.inf}])
+def test_constants_that_make_no_network_are_refused_by_name(hand, wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        soft_skin(hand, **wrong)
+
+
+def test_an_unknown_way_to_wear_the_skin_is_answered_with_the_known_ones(hand, network):
+    with pytest.raises(KeyError, match="springs"):
+        follow(hand, network, at_bind(network), hand.bind, None, FRAME, skin="spring")
+
+
+def test_springs_keep_the_volume_that_blending_loses(hand, network):
+    fist = simulate(hand, "fist", fps=4).angle[-1]
+    blended = follow(hand, network, at_bind(network), fist, None, FRAME, skin="blend").volume / network.volume - 1
+    sprung = begin(hand, network, fist).volume / network.volume - 1
+    assert blended < -0.03 and abs(sprung) < 0.01
+
+
+def test_a_state_does_not_change_and_a_step_repeats_exactly(hand, network):
+    soft = at_bind(network)
+    before = soft.position.copy()
+    ways = [follow(hand, network, soft, hand.bind + 0.1, None, FRAME) for _ in range(2)]
+    np.testing.assert_array_equal(soft.position, before)
+    np.testing.assert_array_equal(ways[0].position, ways[1].position)
+
+
+def test_a_whole_frame_moves_bones_muscles_and_skin(hand, network):
+    first = first_frame(hand, network)
+    contraction = np.zeros(len(hand.muscles))
+    contraction[hand.muscle_names.index(hand.muscles["FDP2"].name)] = 1.0
+    now = first
+    for _ in range(12):
+        now = frame(hand, network, now, contraction, FRAME)
+    assert np.abs(now.y - first.y).max() > 0.1
+    assert np.linalg.norm(now.soft.position - first.soft.position, axis=0).max() > 0.005
+    np.testing.assert_allclose(np.linalg.norm(now.soft.normal, axis=0), 1.0, atol=1e-9)
+
+
+def test_in_key_pinch_the_first_dorsal_interosseus_lifts_the_skin_two_millimetres_and_it_returns(hand, network):
+    clip = simulate(hand, "key-pinch", fps=4)
+    k = hand.muscle_names.index("dorsal_interosseus_1")
+    off, on = (np.where(np.arange(len(hand.muscles)) == k, value, clip.contraction[-1]) for value in (0.0, 1.0))
+    flat = begin(hand, network, clip.angle[-1], off)
+    swollen = begin(hand, network, clip.angle[-1], on)
+    rise = ((swollen.position - flat.position) * flat.normal).sum(axis=0)
+    muscles = geometric_muscles(hand)
+    own = [i for i, name in enumerate(muscles.names) if name.startswith("dorsal_interosseus_1")]
+    over = np.unique(network.ties.node[np.isin(muscles.owner[network.ties.ellipsoid.astype(int)], own)])
+    assert 0.002 < rise[over].max() < 0.004
+    assert np.abs(np.delete(rise, over)).max() < 0.0005
+    for _ in range(30):
+        swollen = follow(hand, network, swollen, clip.angle[-1], off, FRAME)
+    assert np.abs(swollen.position - flat.position).max() < 1e-5
+
+
+def test_centres_come_back_where_they_were_when_nothing_has_moved(hand, network):
+    rest = anchors(network, relative_transforms(hand, hand.bind))
+    assert np.abs(rest.centre.T - network.centre).max() < 1e-4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0])
+def test_a_minute_of_random_contraction_breaks_no_promise(hand, seed):
+    tally, _ = soak.soak(hand, 60.0, seed)
+    assert tally.frames == 3600 and tally.broken == 0
+    assert tally.longest <= soak.MOST_STRETCH
+    assert tally.inverted_frames == 0
+    assert tally.bone_checks == 12 and tally.bone_faults == 0, tally.lines()
