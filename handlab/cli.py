@@ -12,7 +12,7 @@ from cyclopts import App, Parameter
 import handlab
 from handlab.mistakes import INTERRUPTED, TROUBLE, USAGE_ERROR, answered
 from handlab.show.app.place import PORT, checked_port
-from handlab.show.wardrobe import SOFT
+from handlab.show.outfits import BLEND, SOFT
 
 if TYPE_CHECKING:
     from handlab.anatomy.records import Hand
@@ -88,7 +88,7 @@ def pictures(*, folder: Path = Path("handlab-pictures"), show: bool = True) -> N
     from handlab.show.opening import open_file
     from handlab.show.pictures import draw
 
-    film, picture = draw(simulated(load("right", "sound"), "fist"), folder, size=PICTURES_SIZE, fps=PICTURES_FPS)
+    film, picture = draw(simulated(load("right", "sound"), "fist", wear=SOFT), folder, size=PICTURES_SIZE, fps=PICTURES_FPS)
     say(f"film     {film}", f"picture  {picture}")
     if not (show and open_file(film)):
         say("Open them with any player and viewer.")
@@ -102,7 +102,9 @@ def render(
     output: Out = None,
     view: Many = ["palm"],  # noqa: B006 (cyclopts reads defaults, nothing writes to them)
     skin: Many = ["solid"],  # noqa: B006
+    wear: str = SOFT,
     bones: bool = True,
+    layers: Many = [],  # noqa: B006
     muscles: bool = True,
     fps: float = 30.0,
     size: str = "800x600",
@@ -123,8 +125,12 @@ def render(
         One or more of palm, back, radial, ulnar, front, oblique, "oblique back".
     skin
         One or more of solid, translucent, hidden.
+    wear
+        How the skin follows: "blend" (bones alone), springs, "springs and muscles" (muscles below it swell).
     bones
         Draw the bones.
+    layers
+        Of muscles and tendons, under a skin that is not solid.
     muscles
         List the contracting muscles beside the hand.
     fps
@@ -140,16 +146,16 @@ def render(
     reading
         The laws as they should be (sound) or as the paper prints them.
     """
-    from handlab.show.outputs import checked
+    from handlab.show.outputs import checked, pair
     from handlab.show.save import FORMATS, save
     from handlab.show.tiles import layout
 
     out = checked(output or Path(f"{Path(what).stem}.{'png' if what == 'rest' else 'mp4'}"), FORMATS)
     pixels = pair(size)
-    layout(view, skin, bones, pixels, muscles)  # a mistake shows before the simulation, not after
+    layout(view, skin, bones, pixels, muscles, layers)  # a mistake shows before the simulation, not after
     hand = load(side, reading)
-    shown: Any = hand if what == "rest" else simulated(hand, what, seconds=seconds, hold=hold)
-    say(str(save(shown, out, view=view, skin=skin, bones=bones, muscles=muscles, size=pixels, fps=fps)))
+    shown: Any = hand if what == "rest" else simulated(hand, what, seconds=seconds, hold=hold, wear=wear)
+    say(str(save(shown, out, view=view, skin=skin, bones=bones, layers=layers, muscles=muscles, size=pixels, fps=fps)))
 
 
 @app.command
@@ -260,23 +266,15 @@ def load(side: Side, reading: Reading) -> Hand:
     return load_hand(side=side, reading=reading)
 
 
-def simulated(hand: Hand, what: str, *, seconds: float | None = None, hold: Sequence[str] = ()) -> Clip:
+def simulated(hand: Hand, what: str, *, seconds: float | None = None, hold: Sequence[str] = (), wear: str = BLEND) -> Clip:
     """A clip, with progress if it takes longer than a second."""
     from tqdm.auto import tqdm
 
     from handlab.simulation.play import simulate
 
     with tqdm(total=100, desc=f"simulating {what}", unit="%", delay=1.0, leave=False) as bar:
-        return simulate(hand, what, seconds=seconds, hold=hold, progress=lambda done: bar.update(round(100 * done) - bar.n) and None)
-
-
-def pair(size: str) -> tuple[int, int]:
-    """``"800x600"`` as two numbers."""
-    try:
-        width, height = (int(number) for number in size.lower().replace("×", "x").split("x"))
-    except ValueError:
-        raise ValueError(f"size is {size!r}; write width x height in pixels, such as 800x600") from None
-    return width, height
+        tell = lambda done: bar.update(round(100 * done) - bar.n) and None  # noqa: E731
+        return simulate(hand, what, seconds=seconds, hold=hold, skin=wear, progress=tell)
 
 
 def say(*lines: str) -> None:

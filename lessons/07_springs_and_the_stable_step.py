@@ -257,7 +257,7 @@ check("fastest", fastest)
 # `shaking.stiffness(net)` is $K$ of the skin, `net.mass` the mass of every node in kg, `net.frequency` the $\omega$ that the package found.
 # A picture lasts 1/60 s. How many steps does it need at least? Give the number with its decimals.
 #
-# Then measure. `shaking.grows(net, n)` moves every mass by a millionth of a millimetre, makes 1,200 steps, `n` to a picture, and tells
+# Then measure. `shaking.grows(net, n)` moves every mass by a millionth of a millimetre, makes 800 steps, `n` to a picture, and tells
 # whether that has grown. What is the smallest whole `n` with which the skin is stable?
 
 # %%
@@ -265,7 +265,7 @@ omega = springs.largest_frequency(shaking.stiffness(net), net.mass)
 print(f"the fastest swing: {omega / 2 / np.pi:.0f} times a second")
 # solution: predicted_steps, stable_steps = ..., ...
 predicted_steps = omega / 60 / 2
-stable_steps = min(n for n in range(30, 60) if not shaking.grows(net, n))
+stable_steps = min(n for n in range(38, 60) if not shaking.grows(net, n))
 # end solution
 check("steps", predicted_steps, stable_steps)
 
@@ -298,7 +298,7 @@ figure
 # solution: double_steps, double_stable, tissue_percent = ..., ..., ...
 double_steps = np.sqrt(2) * predicted_steps
 double = soft_skin(hand, young=2e5, tissue=3e4)
-double_stable = min(n for n in range(50, 80) if not shaking.grows(double, n))
+double_stable = min(n for n in range(55, 80) if not shaking.grows(double, n))
 tissue_percent = 100 * (shaking.predicted(soft_skin(hand, tissue=3e4)) / predicted_steps - 1)
 # end solution
 check("double", double_steps, double_stable, tissue_percent)

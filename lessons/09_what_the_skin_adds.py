@@ -76,7 +76,7 @@ skin = {way: {name: knuckle.worn(hand, state, way) for name, state in states.ite
 
 # %%
 worn = {way: replace(fist, skin=skin[way]["fist"]) for way in ("blend", "springs")}
-hl.sheet(hand, worn, view=["back", "radial"], skin="solid", tile=(330, 330))
+hl.sheet(hand, worn, view=["back", "radial"], skin="solid", tile=(280, 280))
 
 # %% [markdown]
 # ## 2 Volume from a surface
@@ -145,7 +145,7 @@ check("loss", loss_percent("linear"), loss_percent("blend"))
 
 # %%
 figure, axes = plt.subplots(figsize=(12, 6))
-degrees = np.array([0, 25, 50, 75, 100])
+degrees = np.array([0, 30, 60, 90])
 for k, way in enumerate(ways):
     bends = [hl.pose(hand, straight | {"pip2.flexion_extension": np.deg2rad(bend)}) for bend in degrees]
     volumes = [knuckle.piece_volume(knuckle.worn(hand, state, way), part) for state in bends]

@@ -23,7 +23,7 @@ PROBES = (  # node, other, k, rest length
     (np.array([0.0, 0.0, 0.0]), np.array([0.003, 0.004, 0.0]), 2.0, 0.004),
     (np.array([0.01, -0.02, 0.005]), np.array([0.012, -0.02, 0.006]), 10.0, 0.005),
 )
-LEAPS = ((0.001, 0.0, 1e-3), (0.0002, -0.05, 5e-3))  # x, v, dt
+LEAPS = ((0.001, 0.02, 1e-3), (0.0002, -0.05, 5e-3))  # x, v, dt
 PREDICTED = 0.005  # an answer that is computed may be off by this part
 DOUBLE, SOFT, STIFF = 2.0, 5e3, 140e6  # times, Pa, Pa
 MOST_HEAVIER, SAVED = 5, 0.02  # nodes, part of the steps

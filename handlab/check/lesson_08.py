@@ -10,11 +10,11 @@ import numpy as np
 from handlab.check.answers import number, reference
 from handlab.check.lesson import Exercises
 from handlab.check.own_lines import compare, values
-from handlab.check.swelling import CMC, FPB, arm_ratio, painted, rise, swollen
+from handlab.check.swelling import CMC, FPB, arm_ratio, covered_points, painted, rise, swollen
 from handlab.check.verdict import Wrong
 from handlab.physics.bulge import RECALLED_FACTOR, ellipsoid_volume, volume_bulge
 from handlab.simulation.geometric_muscle import geometric_muscles
-from handlab.simulation.muscle_below import below, influenced
+from handlab.simulation.muscle_below import influenced
 from handlab.simulation.muscle_surface import skeletons
 from handlab.studies.fibre_arm import fibre_arms, fibre_lengths
 
@@ -222,22 +222,17 @@ def belly(thicker_percent: Any, volume_percent: Any) -> str:
 @EXERCISES.register("layers")
 def layers(between: Any, moved_mm: Any) -> str:
     """Skin points above the deep muscle with another one in between, and how far it moves when the one above contracts."""
-    hand, muscles = reference(), geometric_muscles(reference())
-    owner = np.append(muscles.owner, -1)[below(hand, muscles)[1]]
-    points = influenced(hand, muscles, DEEP)
-    covered = int(np.count_nonzero(owner[points] != muscles.index(DEEP)))
+    covered, points = covered_points(DEEP)
     count = number(between, "The number of skin points", "points")
     if abs(count - covered) > 0.5:
-        if abs(count - (len(points) - covered)) < 0.5:
+        if abs(count - (points - covered)) < 0.5:
             raise Wrong("Those are the points where it lies on top. How many have another muscle in between?")
-        if abs(count - len(points)) < 0.5:
+        if abs(count - points) < 0.5:
             raise Wrong("Those are all points above it, whatever lies between.")
         raise Wrong(f"Not {count:g}. Compare the owner of the first ellipsoid below each of its points with its own number.")
     if abs(number(moved_mm, "The way", "mm")) > 1e-6:
         raise Wrong(f"{float(moved_mm):.3g} mm is the way of another muscle. Take the centres of {DEEP} alone.")
-    return (
-        f"{covered} of {len(points)} points have another muscle in between, and it feels nothing of it: layers slide, no spring joins them."
-    )
+    return f"{covered} of {points} points have another muscle in between, and it feels nothing of it: layers slide, no spring joins them."
 
 
 @EXERCISES.register("skin")

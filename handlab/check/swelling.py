@@ -13,6 +13,7 @@ from handlab.check.answers import reference
 from handlab.check.verdict import Wrong
 from handlab.simulation.geometric_muscle import Ellipsoids, GeometricMuscles, geometric_muscles, muscles_of, shape
 from handlab.simulation.kinematics import relative_transforms
+from handlab.simulation.muscle_below import below, influenced
 from handlab.simulation.muscle_fit import checked_skin
 from handlab.simulation.soft_frame import begin
 from handlab.simulation.soft_skin import soft_skin
@@ -58,6 +59,15 @@ def swollen(contraction: float) -> Ellipsoids:
     return Ellipsoids(found.centre[part], found.frame[part], found.half[part])
 
 
+@cache
+def covered_points(name: str) -> tuple[int, int]:
+    """Above how many of the skin points that a shipped muscle influences another one lies in between, and how many there are."""
+    hand, muscles = reference(), geometric_muscles(reference())
+    owner = np.append(muscles.owner, -1)[below(hand, muscles)[1]]
+    points = influenced(hand, muscles, name)
+    return int(np.count_nonzero(owner[points] != muscles.index(name))), len(points)
+
+
 def rise(muscles: GeometricMuscles) -> Array:
     """How far (N,) every skin point goes outwards when FPB contracts fully and the bones stay, metres."""
     hand = reference()
@@ -65,6 +75,6 @@ def rise(muscles: GeometricMuscles) -> Array:
     pull = np.zeros(len(hand.muscles))
     still = begin(hand, network, hand.bind, pull).points
     pull[hand.muscle_names.index(FPB)] = 1.0
-    swollen = begin(hand, network, hand.bind, pull).points
-    result: Array = np.einsum("nd,nd->n", swollen - still, checked_skin(hand))
+    after = begin(hand, network, hand.bind, pull).points
+    result: Array = np.einsum("nd,nd->n", after - still, checked_skin(hand))
     return result

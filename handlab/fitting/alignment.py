@@ -94,13 +94,14 @@ def frame_towards(direction: Array, origin: Array) -> Frame:
     return Frame(np.cross(up, towards), up, towards, origin)
 
 
-def tilted(points: Array, start: Frame, picture: Array) -> tuple[Frame, Similarity]:
-    """The frame near ``start`` in which ``points`` (N, 3) look most like ``picture`` (N, 2).
+def tilted(points: Array, start: Frame, picture: Array, held: Array | None = None) -> tuple[Frame, Similarity]:
+    """The frame near ``start`` (near the direction ``held`` (3,), if given) in which ``points`` (N, 3) look most like ``picture`` (N, 2).
 
     A tilt shifts points in proportion to their height, so it is a linear unknown; it is held near zero as strongly as
     the scatter of the points makes it doubtful: for a picture of the very same hand there is no scatter, and the tilt is exact.
     """
-    frame, found = start, similarity(start.flat(points), picture)
+    frame, found = start, similarity(start.flat(points) * 1e3, picture)
+    held = start.towards if held is None else held
     scatter = LIKELY_SCATTER_MM
     for _ in range(ROUNDS):
         plane, height = frame.flat(points) * 1e3, frame.height(points) * 1e3
@@ -111,7 +112,7 @@ def tilted(points: Array, start: Frame, picture: Array) -> tuple[Frame, Similari
         rows[0::2, 0], rows[0::2, 1], rows[0::2, 2], rows[0::2, 4] = plane[:, 0], -plane[:, 1], 1.0, height
         rows[1::2, 0], rows[1::2, 1], rows[1::2, 3], rows[1::2, 5] = plane[:, 1], plane[:, 0], 1.0, height
         # tilt already taken counts against the prior too
-        taken = np.array([start.towards @ frame.across, start.towards @ frame.up])
+        taken = np.array([held @ frame.across, held @ frame.up])
         weight = scatter / LIKELY_TILT
         a, b = found.scale * found.matrix[:, 0]
         turn = np.array([[a, -b], [b, a]])
@@ -133,7 +134,8 @@ class Aligned:
     """Which hand the clicks show and how they lie on it.
 
     ``hand``: the reference hand of that side; ``view`` "palmar" or "dorsal"; ``source`` (N, 3) m its feature points; ``frame``;
-    ``fit``: the similarity from the frame's plane (mm) to the picture (mm, y upwards); ``rule`` by which it was found.
+    ``fit``: the similarity from the frame's plane (mm) to the picture (mm, y upwards); ``rule`` by which it was found; ``start`` (3,): the
+    direction of the camera before any tilt was looked for.
     """
 
     hand: Hand
@@ -142,6 +144,7 @@ class Aligned:
     frame: Frame
     fit: Similarity
     rule: str
+    start: Array
 
 
 def conclude(
@@ -206,7 +209,7 @@ def aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> Al
     start = fitting_plane(source_points(hand, view), view)
     start = Frame(start.across, start.up, start.towards, source.mean(axis=0))
     frame, fit = tilted(source, start, picture)
-    return Aligned(hand, view, source, frame, fit, "least squares")
+    return Aligned(hand, view, source, frame, fit, "least squares", start.towards)
 
 
 def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> Aligned:
@@ -230,7 +233,7 @@ def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Arra
         if best is None or found.scatter < best.scatter:
             best = found
     assert best is not None
-    return Aligned(hand, view, source, frame, best, "printed")
+    return Aligned(hand, view, source, frame, best, "printed", frame.towards)
 
 
 def diameter(points: Array) -> tuple[tuple[int, int], float]:

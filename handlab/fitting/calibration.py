@@ -73,7 +73,7 @@ def card(picture: NDArray[Any], click: Sequence[float], size: tuple[float, float
     from handlab.fitting.coins import find_rectangle
 
     long, short = (_length(value, "a side of the card") for value in sorted(size, reverse=True))
-    found = find_rectangle(np.asarray(picture), _place(click, "the click on the card"))
+    found = find_rectangle(np.asarray(picture), _place(click, "the click on the card"), long / short)
     per_long, per_short = long / found.long, short / found.short
     if abs(math.log(per_long / per_short)) > 0.05:
         raise ValueError(

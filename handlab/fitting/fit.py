@@ -18,6 +18,7 @@ from handlab.fitting.calibration import Scale, as_scale
 from handlab.fitting.landmarks import checked, source_points
 from handlab.fitting.lifting import from_far, lift
 from handlab.fitting.mistakes import FitError, FitQuestion
+from handlab.fitting.posing import reposed
 from handlab.fitting.result import Fit
 from handlab.fitting.warp import MECHANICS, Mechanics, WarpedHand, landmark_warp, overall, warp_hand
 
@@ -80,7 +81,7 @@ def fit_points(
             picture = far
         lifted = lift(found, picture)
         warp = landmark_warp(found.source, lifted.target, found.frame.towards, rule=rule)
-        made = warp_hand(own, warp, found.fit.scale, name=name or "from a photograph", mechanics=mechanics)
+        made = warp_hand(found.hand, warp, found.fit.scale, name=name or "from a photograph", mechanics=mechanics)
     except FoldedWarp as error:
         raise FitError(str(error), clicks, plausible.suspects(own, concluded, names, picture)) from error
     except FitError as error:
@@ -172,7 +173,9 @@ def picture_mm(px: Array, mm_per_px: float) -> Array:
 
 
 def _aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, rule: Rule) -> Aligned:
-    return (aligned_printed if rule == "printed" else aligned)(hand, view, names, picture)
+    if rule == "printed":
+        return aligned_printed(hand, view, names, picture)
+    return reposed(aligned(hand, view, names, picture), names, picture)
 
 
 def _origin(names: tuple[str, ...], view: str, side: str, scale: Scale, rule: str, mechanics: str) -> str:

@@ -1,14 +1,14 @@
 """Where exactly the feature points lie on the skin.
 
-A hand stores each feature point as the nearest point of its even skin, whose edges are 5 mm long: up to 3 mm beside the joint that it
-marks. Whoever clicks a joint clicks above its centre, so that is where the mark belongs: where a ray from the joint's centre leaves the skin.
+A hand stores each feature point as the nearest point of its even skin, whose edges are 5 mm long: up to 3 mm beside the joint that
+it marks. Whoever clicks a joint clicks above its centre, so there the mark belongs: where a ray from the centre leaves the skin.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.records import Array, Hand, Index
 from handlab.anatomy.terms import FINGERS
 from handlab.simulation.kinematics import body_transforms, rotation
 from handlab.simulation.per_hand import per_hand
@@ -58,7 +58,7 @@ def bound_centres(hand: Hand) -> dict[str, Array]:
     return centres
 
 
-def leaves(points: Array, faces: Array, origin: Array, direction: Array, otherwise: Array) -> Array:
+def leaves(points: Array, faces: Index, origin: Array, direction: Array, otherwise: Array) -> Array:
     """Where the ray from ``origin`` in unit ``direction`` first meets the mesh (Moeller & Trumbore 1997); ``otherwise`` if nowhere."""
     a, b, c = (points[faces[:, i]] for i in range(3))
     one, two = b - a, c - a

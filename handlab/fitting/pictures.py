@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]  # (rows, columns, 3), red, green, blue
-FORMATS = ("JPEG", "MPO", "PNG", "WEBP", "TIFF", "BMP")  # MPO: what some phones write as .jpg
+FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP")  # JPEG with several pictures in it (MPO) counts as JPEG
 KNOWN = "JPEG, PNG, HEIC, WebP, TIFF and BMP"
 MOST_PIXELS = 64_000_000  # a little more than the 50 megapixels of large phone cameras; three bytes each
 LEAST_SIDE = 64  # pixels; a hand needs a few hundred
@@ -48,6 +48,7 @@ def camera_distance_mm(source: str | os.PathLike[str] | bytes, mm_per_px: float)
     from PIL import Image, UnidentifiedImageError
 
     data = source if isinstance(source, bytes) else _read(Path(source))[0]
+    Image.init()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -74,6 +75,7 @@ def _read(path: Path) -> tuple[bytes, str]:
 def _decoded(data: bytes, name: str) -> Picture:
     from PIL import Image, ImageFile, ImageOps, UnidentifiedImageError
 
+    Image.init()  # else the rarer formats are unknown until the first failure
     formats = list(FORMATS)
     if data[4:8] == b"ftyp" and data[8:12] in HEIC_BRANDS:
         _register_heic(name)

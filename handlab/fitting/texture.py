@@ -24,6 +24,7 @@ IN_FRONT = 0.002  # metres: a surface this far behind what covers its pixel is h
 RIM_PX = 3.0  # pixels inside the hand's outline in the picture that show some of the background
 PULL = 0.004  # of the continuation towards the mean colour, per edge: it fades within some 15 edges (25 mm)
 GRAIN_PX = 2.5  # structure finer than this many texels is grain
+MOST_GRAIN = 6.0  # of 255 levels: stripes and shadows in the picture are no grain
 BLEED = 8  # texels around each chart that repeat its edge, so that filtering does not show the seams
 
 
@@ -142,7 +143,7 @@ def _with_grain(sheet: Array, seen: NDArray[np.float32], covered: Mask) -> Array
         return sheet
     tone = sheet.mean(axis=2)
     smooth = gaussian_filter(tone * good, GRAIN_PX) / np.maximum(gaussian_filter(good.astype(np.float64), GRAIN_PX), 1e-6)
-    strength = float(np.median(np.abs(tone - smooth)[good])) / 0.6745
+    strength = min(float(np.median(np.abs(tone - smooth)[good])) / 0.6745, MOST_GRAIN)
     noise = gaussian_filter(np.random.default_rng(26).standard_normal(tone.shape), 0.8)  # the same each time
     grain = strength * noise / noise.std()
     result: Array = sheet + ((1 - seen) * covered * grain)[:, :, None]

@@ -107,7 +107,8 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
         told.append(
             {
                 "name": course.name, "title": f"tendon: {course.name}", "drives": [hand.muscle_names.index(course.muscle)],
-                "radius": course.radius, "rows": rows, "vias": vias, "via": via, "weight": sample, "over": over, "joints": len(course.reach),
+                "radius": course.radius, "rows": rows, "vias": vias, "via": via, "weight": sample, "over": over,
+                "joints": len(course.reach),
                 "stations": stations, "first": first, "end": first + count, "corner": corner, "last": corner + mesh.size,
             }
         )  # fmt: skip

@@ -11,7 +11,8 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import muscle_force
-from handlab.show.wardrobe import BLEND, SOFT, between_skins
+from handlab.show.outfits import BLEND, SOFT
+from handlab.show.wardrobe import between_skins
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframe_files import refused
 from handlab.simulation.keyframes import KeyFrames

@@ -15,7 +15,8 @@ from handlab.anatomy.terms import find
 from handlab.physics.muscle import muscle_force
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story, story
-from handlab.show.wardrobe import BLEND, Wardrobe
+from handlab.show.outfits import BLEND
+from handlab.show.wardrobe import Wardrobe
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips, keyframes
 from handlab.simulation.play import simulate
@@ -25,6 +26,7 @@ from handlab.simulation.state import State
 LONGEST_TICK = 0.1  # seconds: a host that slept does not make the hand jump
 STILL = 2e-3  # rad/s: slower than a tenth of a degree a second nobody sees
 AWAKE = 0.3  # seconds after a change in which a hand counts as moving: it starts from rest
+LONGEST_SETTLING = 1.0  # seconds after the bones in which the skin must have come to rest, or is left where it is
 SLOWEST, FASTEST = 0.05, 4.0
 MOST_HISTORY = 3600  # live frames kept for export: a minute at 60 a second
 
@@ -60,6 +62,7 @@ class MovingHand:
         self.clip_time = 0.0
         self.playing, self.loop, self.speed = False, False, 1.0
         self._recording: float | None = None
+        self._settling = 0.0
         self._awake = 0.0
         self._stale = True
         self._history.clear()
@@ -173,7 +176,9 @@ class MovingHand:
             self.state = replace(self.state, skin=points)
         kept = None if points is None else points.astype(np.float32)
         self._history.append((self.state.time, self.contraction.copy(), self.state.angle, self.state.speed, kept))
-        still = float(np.abs(self.state.speed).max()) <= STILL and not wardrobe.moving
+        bones_still = float(np.abs(self.state.speed).max()) <= STILL
+        self._settling = self._settling + passed if bones_still else 0.0
+        still = bones_still and (not wardrobe.moving or self._settling > LONGEST_SETTLING)
         self._awake = self._awake - passed if still else AWAKE
         if self._recording is not None:
             self._awake = AWAKE  # standing still belongs to a recording

@@ -34,6 +34,15 @@ def checked(path: str | os.PathLike[str], formats: Iterable[str]) -> Path:
     return out
 
 
+def pair(size: str) -> tuple[int, int]:
+    """``"800x600"`` as two numbers."""
+    try:
+        width, height = (int(number) for number in size.lower().replace("×", "x").split("x"))
+    except ValueError:
+        raise ValueError(f"size is {size!r}; write width x height in pixels, such as 800x600") from None
+    return width, height
+
+
 def progress(items: Iterable[T], what: str, total: int) -> Iterable[T]:
     """The items, with a bar on the terminal once it takes longer than a second."""
     from tqdm.auto import tqdm

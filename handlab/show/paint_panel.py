@@ -12,14 +12,16 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from handlab.anatomy.grids import MuscleGrid
+from handlab.anatomy.grids import MuscleGrid, load_grids
 from handlab.anatomy.records import Hand
 from handlab.anatomy.terms import find
 from handlab.show.main_thread import OnMain
 from handlab.show.paint_picture import PaintPicture
-from handlab.show.painting import Painting, Settings
+from handlab.show.painting import Painting, Settings, influenced_by
 from handlab.show.scene import Picture
 from handlab.show.views import Camera
+from handlab.simulation.geometric_muscle import muscles_of
+from handlab.simulation.grid_rows import nearest_bones
 
 QUALITY = 88  # of the JPEG: about 25 kB a picture
 KEPT_CAMERAS = 64  # pictures whose clicks are still understood
@@ -116,7 +118,7 @@ class PaintPanel:
         if self.painting.problem is not None:
             lines.append(f"No muscle: {self.painting.problem}. Drag a point, undo, or change a setting; nothing is lost")
         if missing := self.painting.missing:
-            lines.append(f"{missing} more {'click' if missing == 1 else 'clicks'} for {'the next row' if whole > 1 else 'two rows'}")
+            lines.append(f"{missing} more {'click' if missing == 1 else 'clicks'} for {'a whole row' if whole > 1 else 'two rows'}")
         if result is not None:
             thick = 1e3 * result.muscle.fitted[0].thickness
             rows = " > ".join("+".join(row) for row in self.painting.carriers)
@@ -228,6 +230,9 @@ class PaintPanel:
 
         controls = self._controls.box
         self._controls.show()
+        grid = load_grids()[0]  # what is compiled is loaded now: the first fit of a user must not wait for it
+        influenced_by(self.hand, muscles_of(self.hand, [grid]))
+        nearest_bones(self.hand, grid.points_on(self.hand.skin, self.hand.skin.points, self.hand.side))
         return ipywidgets.HBox([self.canvas_widget, controls])
 
     def _slid(self, name: str, value: Any) -> None:

@@ -112,11 +112,11 @@ class PaintPicture:
         self._mesh.visibility = self.skin == "mesh"
         self._draw_muscle(scene, painting, contraction)
         lines = self._lines(painting)
-        self._replace("grid", lines, color=BLUE if painting.problem is None else VERMILION, line_width=4)
+        self._replace("grid", lines, color=BLUE if painting.problem is None else VERMILION, line_width=3)
         found: Any = [] if painting.result is None else painting.result.influenced
         dots = self.hand.skin.points[found] + GRID_ABOVE * checked_skin(self.hand)[found] if len(found) else None
         cloud = None if dots is None else pyvista().PolyData(dots)
-        self._replace("influenced points", cloud, color=GREEN, point_size=9, render_points_as_spheres=True)
+        self._replace("influenced points", cloud, color=GREEN, point_size=8, render_points_as_spheres=True)
         return scene.picture()
 
     def _ready(self) -> Scene:

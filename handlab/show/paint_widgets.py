@@ -53,7 +53,7 @@ class Controls:
             "thickness_mm": w.FloatRangeSlider(min=0.1, max=THICKEST_MM, step=0.1, description="thickness, mm", style=wide),
             "skin_distance_mm": w.FloatSlider(max=DEEPEST_MM, step=0.1, description="skin distance", style=wide),
             "contraction": w.FloatSlider(max=1.0, step=0.02, description="contraction", style=wide),
-            "skin": w.ToggleButtons(options=SKINS, description="skin", style={"button_width": "86px", **wide}),
+            "skin": w.ToggleButtons(options=SKINS, tooltips=[f"{skin} skin" for skin in SKINS], style={"button_width": "98px"}),
         }
         for name, control in self.named.items():
             self._follow(control, panel.follow(name))
@@ -84,8 +84,8 @@ class Controls:
                 w.HBox(self.ends),
                 w.HTML("<b>bones that carry the rows</b>"),
                 self.bones,
-                w.HBox([*buttons, save]),
-                self.folder,
+                w.HBox(buttons),
+                w.HBox([self.folder, save]),
                 w.HBox(sides, layout=w.Layout(flex_flow="row wrap")),
                 self.readout,
             ],
@@ -124,7 +124,10 @@ class Controls:
                 choice.value = named if isinstance(named, str) else NEAREST
         finally:
             self._moving = False
-        self.readout.value = "<br>".join(escape(line) for line in self.panel.text().splitlines())
+        lines = [escape(line) for line in self.panel.text().splitlines()]
+        loud = {escape(text) for text in (self.panel.said,) if text}
+        told = [f"<b>{line}</b>" if line in loud or line.startswith("No muscle") else line for line in lines]
+        self.readout.value = f'<div style="line-height:1.4">{"<br>".join(told)}</div>'
 
     def _bone_rows(self, count: int) -> None:
         """One choice of a bone for every whole row."""

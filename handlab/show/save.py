@@ -36,8 +36,8 @@ def save(
     Several views stand beside each other, several skins below each other: ``view=["palm", "back"], skin=["solid", "translucent"]``.
     ``muscles`` lists the contracting muscles by group, with percent and newtons; ``layers=["muscles", "tendons"]`` draws geometric
     muscles and tendons under a skin that is not solid. The skin is worn as in the clip or state (``simulate(..., skin="springs and
-    muscles")``, ``clip.with_skin()``), except in ``.glb``, which has bones and the blended skin. ``size`` is width and height in pixels of the
-    whole picture, ``fps`` frames per second; the motion is the same at any rate.
+    muscles")``, ``clip.with_skin()``), except in ``.glb``, which has bones and the blended skin. ``size`` is width and height in
+    pixels of the whole picture, ``fps`` frames per second; the motion is the same at any rate.
 
     Raises ``ValueError`` (unknown format, view, skin, size or rate) and ``OSError`` (a place that cannot be written to) before
     anything is drawn. A file is written whole or not at all.

@@ -179,6 +179,11 @@ class Scene:
         if self._flesh is not None:
             self._flesh.pose(moment.angle, moment.contraction)
 
+    def tint(self, tone: NDArray[np.uint8]) -> None:
+        """Other colours (Nf, 3) for the points of the fine skin."""
+        self._surface.point_data["tone"][:] = tone
+        self._surface.GetPointData().GetArray("tone").Modified()
+
     def picture(self) -> Picture:
         """What the camera sees: (height, width, 3), 0 to 255."""
         self.plotter.render()

@@ -30,7 +30,8 @@ Messages, client to host (``n``, a number that the next frame echoes, may stand 
 ==========  ==========================================================================================================
 
 Replies, host to client: ``status`` (after every change: ``clip``, ``title``, ``seconds``, ``playing``, ``speed``, ``loop``,
-``hold``, ``recording``, ``wear``, ``muscles``, ``soft``: whether springs can be worn yet), ``clips`` (``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
+``hold``, ``recording``, ``wear``, ``muscles``, ``soft``: whether springs can be worn yet), ``clips``
+(``clips``: name, title, seconds), ``answer`` (``good``, ``text``: one sentence),
 ``file`` (``name``, ``mime``, and ``text`` or ``data``), ``track`` (``clip``, ``seconds``, ``data``: the curves of a clip that was
 opened, see ``keepsakes.track``), ``layers`` (``data``: what stays of muscles and tendons, see ``flesh``).
 """
@@ -50,7 +51,7 @@ from handlab.show.keeping import MINE as MINE
 from handlab.show.keeping import KeepingHand
 from handlab.show.keeping import Wish as Wish
 from handlab.show.moving_hand import AWAKE, speed_of
-from handlab.show.wardrobe import BLEND
+from handlab.show.outfits import BLEND
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import clips
 from handlab.simulation.skeleton import contraction_of, number

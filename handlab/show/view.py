@@ -71,7 +71,8 @@ def view(
     widget), ``"page"`` (plays without a kernel; outside notebooks it opens in the browser), ``"still"``. Not given, the first of
     widget, picture and page that works here is taken. Which one, and why, is printed and stands in ``.kind`` and ``.why``.
 
-    ``view``, ``skin``, ``bones`` as in ``save``; ``height`` in pixels; ``hold`` joints that are held (widget).
+    ``view``, ``skin``, ``bones``, ``layers`` as in ``save``; ``height`` in pixels. For the widget: ``hold`` joints that are held; ``wear``,
+    ``muscles`` as in ``simulate``, with a soft skin by default. Other kinds show the skin that the clip or state has.
 
     Raises ``UnknownName`` for an unknown kind or view, and says what is missing if a kind that was asked for cannot work here.
     """
@@ -174,7 +175,7 @@ class Page:
         from handlab.show.page import page
 
         self._hand, self._height = hand, height
-        self._look = {key: look[key] for key in ("view", "skin", "bones", "panels") if key in look}
+        self._look = {key: look[key] for key in ("view", "skin", "bones", "panels", "layers") if key in look}
         self.text = page([told(hand, what)], **self._look)
         self.path: Path | None = None
         if not in_notebook():
@@ -211,6 +212,7 @@ class Still:
             view=self._look["view"],
             skin=self._look["skin"],
             bones=self._look.get("bones", True),
+            layers=self._look.get("layers", ()),
             size=STILL_SIZE,
             quality="still",
         ) as scene:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand, frozen
+from handlab.show.outfits import BLEND, SOFT
 from handlab.simulation.clip import Clip
 
 if TYPE_CHECKING:
     from handlab.simulation.soft_skin import Network, SoftSkin
 
-BLEND, SOFT = "blend", "springs and muscles"
 STILL_SKIN = 3e-4  # m/s: slower than half a step of what travels (0.01 mm) in a frame
 
 

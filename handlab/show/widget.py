@@ -13,8 +13,8 @@ from typing import Any
 
 from handlab.anatomy.records import Hand
 from handlab.show.module import viewer_module
+from handlab.show.outfits import BLEND, SOFT
 from handlab.show.session import Session, Wish
-from handlab.show.wardrobe import BLEND, SOFT
 from handlab.simulation.clip import Clip
 from handlab.simulation.state import State
 

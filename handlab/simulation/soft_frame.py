@@ -34,7 +34,7 @@ SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
 
 LONGEST = 1.85  # times its rest length: no edge is longer at the end of a frame
 LEAST_TURN = 0.1  # cosine between a triangle's normal and the carried one, below which it is turned back
-PART, PASSES, ROUNDS = 0.5, 8, 12  # how far, how often, at most how many rounds of all limits
+PART, PASSES, ROUNDS = 0.1, 16, 12  # how far (more would make skin snap visibly), how often, at most how many rounds of all limits
 BONE_ROUNDS = 6  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
 CENTRE_PASSES = 6
 # A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.

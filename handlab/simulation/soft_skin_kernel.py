@@ -206,7 +206,8 @@ def columns(
     """Columns of tissue keep their volume, in place: shorter where the net of ``centre`` (3, n) is stretched, longer where it is pressed.
 
     A column's length changes by (area / area now) ** ``power``, evened out along the edges ``passes`` times, between ``low`` and ``high``,
-    and by 1 + ``swelling``, less below taut skin; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,) counts the edges of each node.
+    and by 1 + ``swelling``, less below taut skin; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,)
+    counts the edges of each node.
     """
     nodes = centre.shape[1]
     now, mean = np.zeros(nodes), np.empty(nodes)

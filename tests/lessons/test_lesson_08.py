@@ -42,7 +42,7 @@ def path(hand, *, share=0.5, first=0, last=3):
     phalanx = hand.bones["proximal_phalanx_1"].points
     base = phalanx[phalanx[:, 0].argsort()[:50]].mean(axis=0)
     origin = (1.0 - share) * inside["trapezium"] + share * inside["capitate"]
-    middles = [origin, inside["metacarpal_1"] + [4e-3, 0, -12e-3], base + [3e-3, 0, -3e-3]]
+    middles = [origin, inside["metacarpal_1"] + [4e-3, 0, -12e-3], base + np.array([3e-3, 0, -3e-3])]
     across = np.array([-0.6, 0, 0.8])
     rows = [[m - w * across, m + w * across] for m, w in zip(middles, (3e-3, 5e-3, 3e-3), strict=True)]
     return skin_over(hand, rows[first:last])

@@ -17,7 +17,7 @@ import numpy as np
 
 from handlab.anatomy.records import Hand, frozen
 from handlab.show.keepsakes import kept_skin
-from handlab.show.wardrobe import BLEND
+from handlab.show.outfits import BLEND
 from handlab.simulation.clip import Clip
 
 ARRAYS = ("time", "contraction", "angle", "speed", "fibre_length", "force", "torque")

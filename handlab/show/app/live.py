@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from wslink import register
 from wslink.websocket import LinkProtocol
 
-from handlab.show.wardrobe import BLEND
+from handlab.show.outfits import BLEND
 
 if TYPE_CHECKING:
     from handlab.show.app.guard import Guard

@@ -32,7 +32,7 @@ function render({ model, el }) {
   const circle = (x, y, front, label, colour) => {
     const r = size(), dot = document.createElementNS(SVG, "circle");
     const set = (node, what) => { for (const [k, v] of Object.entries(what)) node.setAttribute(k, v); };
-    set(dot, { cx: x * r.width, cy: y * r.height, r: front ? 6.5 : 4, fill: front && colour ? colour : "none", stroke: BLUE, "stroke-width": 2 });
+    set(dot, { cx: x * r.width, cy: y * r.height, r: front ? 5 : 3.5, fill: front && colour ? colour : "none", stroke: BLUE, "stroke-width": 2 });
     if (!front) dot.setAttribute("stroke-dasharray", "2 2");
     svg.append(dot);
     if (!label) return;

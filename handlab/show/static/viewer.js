@@ -36,7 +36,7 @@ const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 const press = (node, on) => { const text = String(on); if (node.getAttribute("aria-pressed") !== text) node.setAttribute("aria-pressed", text); };
 
 const WEAR = { blend: "bones alone move the skin", springs: "the skin is a net of masses and springs on the bones", "springs and muscles": "and muscles below it lift it when they swell" };
-const USED = { both: "both muscles", pseudo: "pseudo: bones turn", geometric: "geometric: flesh swells" };
+const USED = { both: "both", pseudo: "pseudo", geometric: "geometric" };
 
 export async function mount(element, transport, options = {}) {
   if (!document.getElementById("handlab-style")) document.head.append(make("style", { id: "handlab-style", textContent: STYLE }));
@@ -219,7 +219,7 @@ class Viewer {
   // How the skin is worn, and which muscles contract: for all who look at this hand.
   wearing() {
     const wear = ["blend", "springs", "springs and muscles"].map((name) => button(name.replace("and", "+"), () => this.send({ kind: "wear", skin: name }), { data: { wear: name }, title: WEAR[name] }));
-    this.used = make("select", { className: "hl-btn", aria: { label: "which muscles contract" }, title: "which muscles contract", onchange: () => this.send({ kind: "wear", muscles: this.used.value }) },
+    this.used = make("select", { className: "hl-btn", aria: { label: "which muscles contract" }, title: "which muscles contract: pseudo muscles turn bones, geometric muscles swell below the skin", onchange: () => this.send({ kind: "wear", muscles: this.used.value }) },
       ...Object.entries(USED).map(([value, textContent]) => make("option", { value, textContent })));
     this.wearBar = make("div", { className: "hl-seg", aria: { label: "how the skin is worn" } }, ...wear);
     this.wearBar.setAttribute("role", "group");

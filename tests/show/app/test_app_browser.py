@@ -186,7 +186,7 @@ def test_a_clip_plays_pauses_and_goes_on(page):
     assert np.array_equal(angles(page), before)
     page.click("button[aria-label=play]")
     page.wait_for_function(f"handlab.frame().time > {time_before} + 0.2")
-    assert page.evaluate("handlab.stats.bytes / handlab.stats.frames") <= 4096
+    assert 1000 < page.evaluate("handlab.stats.bytes / handlab.stats.frames") <= 20_000
 
 
 def test_a_clip_plays_fluently_even_without_a_graphics_card(page):

@@ -143,8 +143,9 @@ def test_a_clip_plays_at_sixty_frames_a_second_and_can_be_paused(served, join, c
 def test_an_idle_page_costs_no_processor_time(served, join, converse):
     async def work(http_session):
         page = await join(http_session, served)
+        await page.until(lambda: any(note.get("soft") for note in page.notes))  # the soft skin is made ready once
         await page.send({"kind": "reset"})
-        await asyncio.sleep(0.5)
+        await asyncio.sleep(1.0)
         count, before = len(page.frames), served.cpu()
         await asyncio.sleep(2.0)
         assert len(page.frames) == count

@@ -78,7 +78,7 @@ def test_skin_points_that_travel_are_drawn_as_they_are(live, hand):
     set_slider(host.page, "FDS3", 60)
     host.settled()
     shown = np.array(host.page.evaluate("Array.from(handlab.hand.coarse)")).reshape(-1, 3)
-    assert np.abs(shown - host.session.state.skin).max() < 1e-7
+    assert 1e-6 < np.abs(shown - host.session.state.skin).max() < 5.1e-6  # half of what travels: a hundredth of a millimetre
 
 
 def test_with_the_wrist_held_one_slider_moves_exactly_the_joints_its_lever_arms_name(live, hand):
