@@ -9,7 +9,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test lint bench wheel clean
+.PHONY: run test lint bench soak wheel clean
 .DEFAULT_GOAL := run
 
 run: $(VENV)/run.stamp
@@ -25,6 +25,10 @@ lint: $(VENV)/test.stamp
 
 bench: $(VENV)/test.stamp
 	$(BIN)/python benchmarks/run.py
+
+# One hour of simulated time under random contraction; the test command runs a minute of it.
+soak: $(VENV)/test.stamp
+	$(BIN)/python -m tools.soak
 
 wheel: $(VENV)/test.stamp
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .

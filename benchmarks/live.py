@@ -68,6 +68,14 @@ def cpu(pids: list[int]) -> float:
     return sum(int(one[11]) + int(one[12]) for one in fields) / os.sysconf("SC_CLK_TCK")
 
 
+def played(page: Any) -> dict[str, float]:
+    """Pictures a second and bytes a frame while the fist closes, over and over."""
+    page.evaluate("handlab.send({ kind: 'play', clip: 'fist', loop: true })")
+    page.wait_for_timeout(300)
+    counted: dict[str, float] = page.evaluate(COUNT)
+    return counted
+
+
 def drag(page: Any) -> list[float]:
     """Milliseconds from a step of the slider under the mouse to the picture that shows it."""
     page.evaluate("handlab.send({ kind: 'reset' }), handlab.stats.latency_ms.length = 0")
@@ -114,9 +122,12 @@ def measured() -> list[tuple[str, float, float, str, bool]]:
                 pages.append(time.perf_counter() - start)
                 again.close()
                 if last:
-                    page.click("[data-clip=fist]")
-                    page.wait_for_timeout(300)
-                    play = page.evaluate(COUNT)
+                    page.wait_for_function("handlab.status().soft")
+                    play = played(page)
+                    page.evaluate("handlab.set({ skin: 'translucent', muscles: true, tendons: true })")
+                    page.wait_for_function("handlab.hand.flesh")
+                    flesh = played(page)
+                    page.evaluate("handlab.set({ skin: 'solid', muscles: false, tendons: false })")
                     latency = statistics.median(drag(page))
                     page.evaluate("handlab.send({ kind: 'reset' })")
                     page.wait_for_timeout(2000)
@@ -130,8 +141,10 @@ def measured() -> list[tuple[str, float, float, str, bool]]:
         ("command to live hand (the browser runs already)", statistics.median(commands), 5.0, "s", True),
         ("page to hand", statistics.median(pages), 3.0, "s", True),
         ("slider to new picture, median", latency, 50.0, "ms", True),
-        ("pictures while a clip plays, software renderer", play["drawn"], 30.0, "frames/s", False),
-        ("bytes per frame", play["bytes"], 4096.0, "B", True),
+        ("pictures while a clip plays, soft skin, software renderer", play["drawn"], 30.0, "frames/s", False),
+        ("bytes per frame, soft skin", play["bytes"], 20_000.0, "B", True),
+        ("the same translucent, with bones, muscles and tendons", flesh["drawn"], 30.0, "frames/s", False),
+        ("bytes per frame with muscles", flesh["bytes"], 20_000.0, "B", True),
         ("idle page: server and browser together", idle, 2.0, "% of a core", True),
     ]
 

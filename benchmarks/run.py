@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mechanics
+import skin
 from live import measured, started
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -113,6 +114,11 @@ def skeleton() -> list[Row]:
     ]
 
 
+def soft() -> list[Row]:
+    """The skin of masses and springs against its peers, and whole frames."""
+    return [Row(*row) for row in skin.rows()]
+
+
 def drawn() -> list[Row]:
     """A moving translucent hand on an off-screen canvas, read back as pixels."""
     import handlab as hl
@@ -134,6 +140,32 @@ def drawn() -> list[Row]:
                 return len(moments)
 
             rows.append(Row(f"800 x 600, {skin}, software renderer", rate(draw, 5.0), goal, "frames/s", False))
+    return rows
+
+
+def alive() -> list[Row]:
+    """The whole hand with a soft skin and its muscles: simulated alone, then simulated and drawn."""
+    import handlab as hl
+    from handlab.show.moments import Moment
+    from handlab.show.scene import Scene
+
+    hand = hl.load_hand()
+
+    def simulate() -> int:
+        return len(hl.simulate(hand, "fist", fps=60, skin="springs and muscles"))
+
+    rows = [Row("mechanics, muscles and soft skin, 60 Hz, headless", rate(simulate, 4.0), 500, "frames/s", False)]
+    with Scene(hand, size=(800, 600), skin="translucent", layers=["muscles"]) as scene:
+        scene.frame([hand.skin.points])
+
+        def draw(scene: Scene = scene) -> int:
+            clip = hl.simulate(hand, "fist", seconds=1.0, fps=60, skin="springs and muscles")
+            for k in range(len(clip)):
+                scene.pose(Moment(float(clip.time[k]), clip.skin(k), clip.angle[k], clip.contraction[k]))
+                scene.picture()
+            return len(clip)
+
+        rows.append(Row("800 x 600, translucent, bones, muscles, soft skin simulated", rate(draw, 5.0), 35, "frames/s", False))
     return rows
 
 
@@ -188,7 +220,7 @@ def main() -> int:
     parser.add_argument("--clone", action="store_true", help="also time `make run` on a fresh clone")
     parser.add_argument("--no-write", action="store_true", help="print only")
     chosen = parser.parse_args()
-    parts = [imports, skeleton, headless, drawn, live, sizes, *([fresh_clone] if chosen.clone else [])]
+    parts = [imports, skeleton, soft, headless, drawn, alive, live, sizes, *([fresh_clone] if chosen.clone else [])]
     rows = [row for part in parts for row in part()]
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
     text = f"# Measured against the goals\n\n{machine}; no graphics card. Made by `make bench`.\n\n{table(rows)}\n"

@@ -27,6 +27,9 @@ from handlab.simulation.soft_skin import Network, soft_skin
 
 FPS = 60
 KNOT = 1.0  # seconds between the random contractions that a smooth line joins
+SWING = (0.05, 0.3)  # seconds in which muscles take over from their antagonists in a swing: from as fast as muscles can
+HELD = 0.5  # seconds before and after a swing
+AGONIST = (0.02, 0.15, 0.5)  # a muscle turns a joint if its lever arm there has this share of its longest one: drawn anew every time
 MOST_STRETCH = 2.0
 DEEPEST = 0.0005
 BONES_EVERY = 5.0  # seconds
@@ -36,31 +39,40 @@ CUT = ("radius", "ulna")  # the skin ends before these bones do
 def contractions(hand: Hand, seconds: float, seed: int = 0) -> Array:
     """Smooth random contractions (frame, muscle) in [0, 1].
 
-    Half of the knots are drawn muscle by muscle; in the other half muscles that turn a joint the same way pull together, some joints or
-    a single one, so that joints come near their limits.
+    A quarter of the knots are drawn muscle by muscle. In the others all that turn one joint one way pull together and all that turn it
+    back rest, and what does not act there does the same for a second joint: a joint of many comes near its limit only if its
+    antagonists are slack and the joints that its muscles cross are turned so that they keep their length. Half of these are swings:
+    the other way first, then within ``SWING`` seconds this way, because some limits (flexion of the wrist, extension of the fifth
+    metacarpal) are beyond what muscles hold in a steady posture and are reached by momentum.
     """
     rng = np.random.default_rng(seed)
-    knots, muscles = int(seconds / KNOT) + 3, len(hand.muscles)
     arm = hand.lever_arm @ hand.coupling
-    sign = np.where(np.abs(arm) > 0.15 * np.abs(arm).max(axis=1, keepdims=True), np.sign(arm), 0.0)
-    main = np.sign(arm) * (np.abs(arm) > 0.5 * np.abs(arm).max(axis=1, keepdims=True))
-    value = np.empty((knots, muscles))
-    k = 0
-    while k < knots:
-        kind = rng.integers(4)
-        if kind < 2:
-            value[k] = rng.beta(0.5, 0.5, muscles)
-        elif kind == 2:
-            way = rng.choice([-1.0, 0.0, 1.0], size=arm.shape[1]) * rng.uniform(0.5, 1.0, arm.shape[1])
-            value[k] = 0.5 + 1.2 * (sign @ way) / np.maximum(np.abs(sign).sum(axis=1), 1.0)
+    muscles, joints = arm.shape
+    share = np.abs(arm) / np.abs(arm).max(axis=1, keepdims=True)
+    time, value = [0.0], [rng.beta(0.5, 0.5, muscles)]
+
+    def knot(after: float, values: Array) -> None:
+        time.append(time[-1] + after)
+        value.append(values)
+
+    while time[-1] < seconds:
+        if rng.random() < 0.25:
+            knot(KNOT, rng.beta(0.5, 0.5, muscles))
+            continue
+        first, second = rng.permutation(joints)[:2]
+        sign = np.sign(arm) * (share > rng.choice(AGONIST))
+        one, other = sign[:, first] * rng.choice([-1.0, 1.0]), sign[:, second] * rng.choice([-1.0, 1.0])
+        pull = np.where(one != 0.0, one, other)
+        if rng.random() < 0.5:
+            knot(KNOT, np.where(pull < 0.0, 1.0, 0.0))
+            knot(HELD, value[-1])
+            knot(rng.uniform(*SWING), np.where(pull > 0.0, 1.0, 0.0))
+            knot(HELD, value[-1])
         else:
-            j = rng.integers(arm.shape[1])
-            pull = (main if rng.random() < 0.5 else sign)[:, j] * rng.choice([-1.0, 1.0])
-            value[k : k + 2] = np.where(pull > 0.0, 1.0, np.where(pull < 0.0, 0.0, rng.uniform(0.0, 0.15, muscles)))
-            k += 1  # held, so that the joint gets there
-        k += 1
+            knot(KNOT, np.where(pull > 0.0, 1.0, 0.0))
+            knot(KNOT, value[-1])
     at = np.arange(int(seconds * FPS)) / FPS
-    result: Array = np.clip(PchipInterpolator(np.arange(knots) * KNOT, np.clip(value, 0.0, 1.0))(at), 0.0, 1.0)
+    result: Array = np.clip(PchipInterpolator(time, value)(at), 0.0, 1.0)
     return result
 
 

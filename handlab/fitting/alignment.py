@@ -15,8 +15,8 @@ from handlab.anatomy.records import Array, Hand
 from handlab.fitting.landmarks import VIEWS, source_points
 from handlab.fitting.mistakes import FitError, FitQuestion
 
-# How far a hand on a table is likely to be tilted against the reference hand in its fitting plane (an assumption).
-LIKELY_TILT = np.deg2rad(4.0)
+# How far the camera's direction is likely to lie from ``likely_view`` (an assumption).
+LIKELY_TILT = np.deg2rad(2.5)
 # Scatter (mm) of the points of two hands of one size after the best similarity: where the search for a tilt begins (an assumption).
 LIKELY_SCATTER_MM = 5.0
 ROUNDS = 60
@@ -135,7 +135,7 @@ class Aligned:
 
     ``hand``: the reference hand of that side; ``view`` "palmar" or "dorsal"; ``source`` (N, 3) m its feature points; ``frame``;
     ``fit``: the similarity from the frame's plane (mm) to the picture (mm, y upwards); ``rule`` by which it was found; ``start`` (3,): the
-    direction of the camera before any tilt was looked for.
+    direction of the camera before any tilt was looked for; ``marks`` of the hand that were compared.
     """
 
     hand: Hand
@@ -145,6 +145,7 @@ class Aligned:
     fit: Similarity
     rule: str
     start: Array
+    marks: str
 
 
 def conclude(
@@ -188,52 +189,55 @@ def conclude(
             f"these points show the palm of a {palm} hand or the back of a {OTHER[palm]} hand, not the {SHOWN[view]} of a {side} hand; "
             f"give side={OTHER[side]!r} or view={OTHER[view]!r}, or mirror=True if the picture itself is mirrored"
         )
-    assert view is not None and side is not None
-    return right if side == "right" else mirrored(right), view
+    own = right if side == "right" else mirrored(right)
+    return own, view or VIEWS[0]
 
 
 def _scatter(hand: Hand, view: str, names: tuple[str, ...], picture: Array, mirror: bool) -> float:
-    """Scatter of the best similarity over its own size."""
+    """Scatter (mm) of the best similarity over its own size, with what two people of one size always differ by."""
     frame = fitting_plane(source_points(hand, view), view)
     found = similarity(frame.flat(source_points(hand, view, names)) * 1e3, picture, mirror=mirror)
-    return found.scatter / max(found.scale, 1e-9)
+    return float(np.hypot(found.scatter / max(found.scale, 1e-9), LIKELY_SCATTER_MM))
 
 
-def aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> Aligned:
+def aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, marks: str) -> Aligned:
     """The default rule: a least-squares similarity over the points at hand, seen from where they look most alike.
 
-    ``picture`` (N, 2) mm, y upwards, not mirrored. The plane starts as the fitting plane of all 26 points, so that points which are left out
-    do not tilt it.
+    ``picture`` (N, 2) mm, y upwards, not mirrored. The camera is looked for around ``likely_view``. ``marks`` as for ``source_points``.
     """
-    source = source_points(hand, view, names)
-    start = fitting_plane(source_points(hand, view), view)
-    start = Frame(start.across, start.up, start.towards, source.mean(axis=0))
+    source = source_points(hand, view, names, marks)
+    start = frame_towards(likely_view(hand, view), source.mean(axis=0))
     frame, fit = tilted(source, start, picture)
-    return Aligned(hand, view, source, frame, fit, "least squares", start.towards)
+    return Aligned(hand, view, source, frame, fit, "least squares", start.towards, marks)
 
 
-def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> Aligned:
+def likely_view(hand: Hand, view: str) -> Array:
+    """From where (3,) a hand on a table is likely seen: half way between the normals of its palm (forearm and palm lie flat) and of the fitting
+    plane of all its points (thumb and finger tips lie flat too). All 26 points count, so that those left out do not tilt it."""
+    palm = np.array([0.0, 1.0 if view == "palmar" else -1.0, 0.0])
+    return palm + fitting_plane(source_points(hand, view), view).towards
+
+
+def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Array, marks: str) -> Aligned:
     """The paper's rule: fitting plane of the points at hand, the largest diameters of both sets on one line.
 
     The paper leaves open which end comes first; of the two the one with the smaller scatter is taken. The scale is the ratio of the diameters.
     """
-    source = source_points(hand, view, names)
+    source = source_points(hand, view, names, marks)
     frame = fitting_plane(source, view)
     plane = frame.flat(source) * 1e3
     (i, j), source_size = diameter(source * 1e3)
     (k, m), target_size = diameter(picture)
     way, seen = plane[j] - plane[i], picture[m] - picture[k]
     scale = target_size / source_size
-    best: Similarity | None = None
+    fits = []
     for half_turn in (0.0, np.pi):
         angle = np.arctan2(seen[1], seen[0]) - np.arctan2(way[1], way[0]) + half_turn
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         shift = picture.mean(axis=0) - scale * turn @ plane.mean(axis=0)
-        found = Similarity(scale, turn, shift, picture - scale * plane @ turn.T - shift)
-        if best is None or found.scatter < best.scatter:
-            best = found
-    assert best is not None
-    return Aligned(hand, view, source, frame, best, "printed", frame.towards)
+        fits.append(Similarity(scale, turn, shift, picture - scale * plane @ turn.T - shift))
+    best = min(fits, key=lambda found: found.scatter)
+    return Aligned(hand, view, source, frame, best, "printed", frame.towards, marks)
 
 
 def diameter(points: Array) -> tuple[tuple[int, int], float]:

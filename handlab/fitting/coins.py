@@ -20,7 +20,7 @@ AGREE = 0.55  # of the rays must meet the outline
 AS_GOOD = 0.80  # of the best circle's agreement: then the larger circle is the rim, the smaller a pattern inside
 TRIALS = 3000
 PEAKS = 4  # candidates for each side of a card
-ASPECT = 0.08  # how far (log) the sides of a card may be from their ratio before they are refined
+ASPECT = 0.03  # how far (log) the sides of a card may be from their ratio before they are refined
 
 
 class Circle(NamedTuple):
@@ -59,9 +59,13 @@ def find_circle(picture: NDArray[np.uint8], click: Array) -> Circle:
             "(or click two points of a ruler instead)"
         )
     _, _, circle = max((row for row in found if row[0] >= max(AS_GOOD * best, AGREE * RAYS)), key=lambda row: row[1])
-    for width in (2.5, 1.5, 1.5, 1.0, 1.0):
-        far = np.hypot(*(points - circle[:2]).T)
-        near = np.abs(far - circle[2]) < width * step
+    for outward in (4.0, 3.0, 2.0, 1.5, 1.5, 1.5):
+        off = np.hypot(*(points - circle[:2]).T) - circle[2]
+        near = (off > -1.5 * step) & (off < outward * step)
+        # a milled rim has several edges; the coin ends at the last of each ray
+        last = np.full(RAYS, -np.inf)
+        np.maximum.at(last, ray[near], off[near])
+        near &= off == last[ray]
         circle = _best_circle(points[near])
     rest = np.hypot(*(points[near] - circle[:2]).T) - circle[2]
     return Circle(circle[:2], float(circle[2]), float(rest.std() / np.sqrt(max(len(rest) / 4, 1)) / circle[2]))

@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from handlab.anatomy.load import load_hand
 from handlab.anatomy.records import Array, Hand
 from handlab.fitting import plausible
-from handlab.fitting.alignment import Aligned, aligned, aligned_printed, conclude
+from handlab.fitting.alignment import Aligned, aligned, aligned_printed, conclude, likely_view
 from handlab.fitting.bones import FoldedWarp
 from handlab.fitting.calibration import Scale, as_scale
-from handlab.fitting.landmarks import checked, source_points
+from handlab.fitting.landmarks import MARKS, checked, source_points
+from handlab.fitting.lens import camera_distance_mm
 from handlab.fitting.lifting import from_far, lift
 from handlab.fitting.mistakes import FitError, FitQuestion
 from handlab.fitting.posing import reposed
@@ -24,6 +25,8 @@ from handlab.fitting.warp import MECHANICS, Mechanics, WarpedHand, landmark_warp
 
 Rule = Literal["least squares", "printed"]
 RULES = ("least squares", "printed")
+# Stored points are what was clicked where they scatter less than this share of the exact ones (an assumption).
+FAR_BETTER = 0.5
 
 
 def fit_points(
@@ -36,6 +39,7 @@ def fit_points(
     mirror: bool = False,
     rule: Rule = "least squares",
     mechanics: Mechanics = "scaled",
+    marks: str | None = None,
     camera_mm: float | None = None,
     centre_px: ArrayLike | None = None,
     sure: bool = False,
@@ -46,7 +50,8 @@ def fit_points(
     ``points_px``: name -> (x, y) in pixels, y downwards (see ``landmarks.LANDMARKS``), or a file of them; any subset that determines the
     warp, at least four. ``mm_per_px``: a number or what ``calibration.as_scale`` takes. ``view`` "palmar" or "dorsal", ``side`` "right" or
     "left": one of the two; the other one is concluded. ``mirror``: the picture is mirrored. ``rule``: "least squares", or "printed" as in the
-    paper. ``mechanics``: "scaled" or "kept" (see ``warp_hand``). ``camera_mm``: distance of the camera from the table, if known: takes out
+    paper. ``mechanics``: "scaled" or "kept" (see ``warp_hand``). ``marks``: "exact" (joints right above their centres), "stored" (points of
+    the even skin, up to 3 mm beside), or whichever fits. ``camera_mm``: distance of the camera from the table, if known: takes out
     perspective, about ``centre_px`` (the middle of the picture). ``sure``: neither sizes nor labels are questioned.
 
     Raises ``FitError`` (a ``ValueError`` that carries the clicks) for points that cannot be right, and says what to do; ``FitQuestion``
@@ -69,7 +74,7 @@ def fit_points(
         picture = picture * flip
         if not sure:
             plausible.require_labels(own, concluded, names, picture)
-        found = _aligned(own, concluded, names, picture, rule)
+        found = _aligned(own, concluded, names, picture, rule, marks)
         if camera_mm is not None:
             if not np.isfinite(camera_mm) or camera_mm < 150.0:
                 raise ValueError(f"camera_mm is {camera_mm!r}; give the distance from camera to table in millimetres, such as 600")
@@ -77,7 +82,7 @@ def fit_points(
             middle = picture_mm(middle, scale.mm_per_px) * flip
             for _ in range(3):
                 far = from_far(found, picture, middle, camera_mm)
-                found = _aligned(own, concluded, names, far, rule)
+                found = _aligned(own, concluded, names, far, rule, found.marks)
             picture = far
         lifted = lift(found, picture)
         warp = landmark_warp(found.source, lifted.target, found.frame.towards, rule=rule)
@@ -106,7 +111,7 @@ def fit_points(
         camera_mm=camera_mm,
         centre_px=None if centre_px is None else np.asarray(centre_px, dtype=np.float64),
         mirror=mirror,
-        warnings=plausible.remarks(own, made, names, found),
+        warnings=plausible.remarks(own, made, names, found, camera_mm),
     )
 
 
@@ -116,6 +121,7 @@ def fit_photo(
     landmarks: Mapping[str, Any] | str | os.PathLike[str],
     scale: Any,
     hand: Hand | None = None,
+    camera_mm: float | Literal["auto"] | None = "auto",
     centre_px: ArrayLike | None = None,
     sure: bool = False,
     **options: Any,
@@ -124,7 +130,8 @@ def fit_photo(
 
     ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``: a number of
     millimetres per pixel, two clicks on a ruler, one on a coin or a card (see ``calibration.as_scale``). ``hand``: what is warped, the
-    reference hand if not given. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels
+    reference hand if not given. ``camera_mm``: distance of the camera, "auto" from the focal length in the file where it says so, None for a
+    scanner. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels
     ``outline`` and ``iou``. Nothing is written anywhere.
     """
     pixels: NDArray[Any] | None = None
@@ -143,7 +150,9 @@ def fit_photo(
     if not sure:
         plausible.require_inside(clicks, width, height)
     middle = np.array([width, height]) / 2.0 if centre_px is None else centre_px
-    fit = fit_points(load_hand() if hand is None else hand, clicks, found_scale, centre_px=middle, sure=sure, **options)
+    distance = camera_distance_mm(picture, found_scale.mm_per_px, (width, height)) if camera_mm == "auto" else camera_mm
+    own = load_hand() if hand is None else hand
+    fit = fit_points(own, clicks, found_scale, camera_mm=distance, centre_px=middle, sure=sure, **options)
     return fit.with_picture(pixels, (width, height))
 
 
@@ -154,15 +163,15 @@ def warp_to(
     view: str,
     rule: Rule = "least squares",
     mechanics: Mechanics = "scaled",
+    marks: str = "exact",
     name: str = "",
 ) -> WarpedHand:
-    """The same warp for feature points known in space: name -> (3,) m, in any frame of the same handedness."""
+    """The same warp for feature points known in space: name -> (3,) m, in any frame of the same handedness; ``marks`` as above."""
     names = tuple(target)
-    source = source_points(hand, view, names)
+    source = source_points(hand, view, names, marks)
     goal = np.array([np.asarray(target[name], dtype=np.float64) for name in names])
-    from handlab.fitting.alignment import fitting_plane
-
-    towards = fitting_plane(source_points(hand, view), view).towards
+    towards = likely_view(hand, view)
+    towards = towards / np.linalg.norm(towards)
     return warp_hand(hand, landmark_warp(source, goal, towards, rule=rule), overall(source, goal, towards)[0], name=name, mechanics=mechanics)
 
 
@@ -172,10 +181,14 @@ def picture_mm(px: Array, mm_per_px: float) -> Array:
     return result
 
 
-def _aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, rule: Rule) -> Aligned:
+def _aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, rule: str, marks: str | None) -> Aligned:
+    """Aligned by ``rule``. Without ``marks``: people click above the joints, so those marks count unless the stored ones fit far better."""
     if rule == "printed":
-        return aligned_printed(hand, view, names, picture)
-    return reposed(aligned(hand, view, names, picture), names, picture)
+        return aligned_printed(hand, view, names, picture, marks or "stored")
+    if marks is not None:
+        return reposed(aligned(hand, view, names, picture, marks), names, picture)
+    exact, stored = (aligned(hand, view, names, picture, kind) for kind in MARKS)
+    return reposed(stored if stored.fit.scatter < FAR_BETTER * exact.fit.scatter else exact, names, picture)
 
 
 def _origin(names: tuple[str, ...], view: str, side: str, scale: Scale, rule: str, mechanics: str) -> str:

@@ -19,9 +19,11 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand
 from handlab.anatomy.terms import FINGERS, find
+from handlab.fitting.marks import exact_points
 from handlab.fitting.mistakes import FitError
 
 VIEWS = ("palmar", "dorsal")
+MARKS = ("exact", "stored")
 FEWEST = 4  # three points give no more than place, size and turn
 
 _JOINTS = {"dip": "last joint (DIP)", "ip": "joint (IP)", "pip": "middle joint (PIP)", "mcp": "knuckle (MCP)"}
@@ -61,10 +63,17 @@ def digit_of(name: str) -> str | None:
     return name.partition("_")[2] if name.startswith(("tip", "dip", "ip", "pip", "mcp")) else None
 
 
-def source_points(hand: Hand, view: str, names: tuple[str, ...] = NAMES) -> Array:
-    """Points (N, 3) m of the skin that ``names`` mark in a picture of ``view`` ("palmar" or "dorsal")."""
+def source_points(hand: Hand, view: str, names: tuple[str, ...] = NAMES, marks: str = "stored") -> Array:
+    """Points (N, 3) m of the skin that ``names`` mark in a picture of ``view`` ("palmar" or "dorsal").
+
+    ``marks``: "stored", the points of the even skin that the hand names; "exact", joints right above their centres (see ``marks``).
+    """
     if view not in VIEWS:
         raise ValueError(f"view is {view!r}; it must be 'palmar' or 'dorsal'")
+    if marks not in MARKS:
+        raise ValueError(f"marks is {marks!r}; it must be 'exact' or 'stored'")
+    if marks == "exact":
+        return exact_points(hand, view, names)
     points: Array = hand.skin.points[[hand.feature_points[name][view] for name in names]]
     return points
 

@@ -130,7 +130,7 @@ def suspects(hand: Hand, view: str, names: tuple[str, ...], picture: Array, most
     return tuple(names[k] for k in np.argsort(-off)[:most])
 
 
-def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned) -> tuple[str, ...]:
+def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned, camera_mm: float | None) -> tuple[str, ...]:
     """What the user should know about a fit that went well."""
     said = []
     bare = [finger for finger in FINGERS if not any(digit_of(name) == finger for name in names)]
@@ -140,7 +140,9 @@ def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned
         said.append("no point at the wrist: wrist and forearm follow the palm")
     if made.bones.repaired:
         said.append(f"{', '.join(made.bones.repaired)}: too thin after the warp, rebuilt with the thickness that the size of the hand asks for")
-    tilt = np.degrees(np.arccos(np.clip(found.frame.towards @ fitting_plane(source_points(hand, found.view), found.view).towards, -1.0, 1.0)))
+    tilt = np.degrees(np.arccos(np.clip(found.frame.towards @ found.start, -1.0, 1.0)))
     if tilt > 12.0:
         said.append(f"the hand seems tilted by {tilt:.0f} degrees against the picture: heights are less certain")
+    if camera_mm is None:
+        said.append("perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large")
     return tuple(said)

@@ -40,7 +40,9 @@ def posture(found: Aligned, names: tuple[str, ...], picture: Array) -> Array:
     share = float(np.clip((found.fit.scatter / found.fit.scale - SHAPE_MM) / (POSTURE_MM - SHAPE_MM), 0.0, 1.0))
     if share == 0.0:
         return hand.bind
+    # an exact mark moves with the stored point next to it
     index = [hand.feature_points[name][found.view] for name in names]
+    beside = found.source - hand.skin.points[index]
     rows = [hand.dof_names.index(name) for name in LIKELY]
     likely = np.array(list(LIKELY.values()))
     low, high = hand.limits[rows].T
@@ -59,7 +61,7 @@ def posture(found: Aligned, names: tuple[str, ...], picture: Array) -> Array:
         return result
 
     def error(free: Array) -> Array:
-        points = blend(hand, whole(free))[index]
+        points = blend(hand, whole(free))[index] + beside
         residual = similarity(found.frame.flat(points) * 1e3, picture).residual / (SCATTER_MM * found.fit.scale)
         return np.concatenate([residual.reshape(-1), (free - start) / likely])
 
@@ -101,6 +103,6 @@ def reposed(found: Aligned, names: tuple[str, ...], picture: Array) -> Aligned:
     if angle is found.hand.bind:
         return found
     hand = posed(found.hand, angle)
-    source = source_points(hand, found.view, names)
+    source = source_points(hand, found.view, names, found.marks)
     frame, fit = tilted(source, replace(found.frame, origin=source.mean(axis=0)), picture, held=found.start)
     return replace(found, hand=hand, source=source, frame=frame, fit=fit)

@@ -8,20 +8,24 @@ continuation over the skin, drawn to the hand's own mean, with the seen skin's f
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handlab.anatomy.meshes import Array, FineSkin, Index
-from handlab.fitting.outline import Mask
+from handlab.fitting.outline import Mask, hand_mask
 from handlab.fitting.pictures import Picture
 from handlab.fitting.raster import foremost, pixels
+
+if TYPE_CHECKING:
+    from handlab.fitting.result import Fit
 
 SIZE = 2048  # texels on each side of the atlas
 SQUARE, GRAZING = 0.45, 0.15  # cosine to the camera above which a texel is trusted fully, below which not at all
 IN_FRONT = 0.002  # metres: a surface this far behind what covers its pixel is hidden
-RIM_PX = 3.0  # pixels inside the hand's outline in the picture that show some of the background
+HIDING = 1000.0  # what hides what is decided in a picture of about so many pixels on its longer side
+RIM_PX, RIM_SHARE = 3.0, 0.006  # so many pixels inside the outline, or this part of the hand's size, show shadow and background
 PULL = 0.004  # of the continuation towards the mean colour, per edge: it fades within some 15 edges (25 mm)
 GRAIN_PX = 2.5  # structure finer than this many texels is grain
 MOST_GRAIN = 6.0  # of 255 levels: stripes and shadows in the picture are no grain
@@ -41,6 +45,19 @@ class Texture:
     def share_seen(self) -> float:
         """The part of the skin's texels that the photograph shows."""
         return float(self.seen[self.covered].mean()) if self.covered.any() else 0.0
+
+
+def texture_of(fit: Fit, *, size: int = SIZE) -> Texture:
+    """The photograph of a finished fit as the texture of its new hand's fine skin.
+
+    Raises ``ValueError`` without pixels, or where hand and background cannot be told apart.
+    """
+    if fit.pixels is None:
+        raise ValueError("the texture needs the picture itself: give fit_photo a file or pixels, not only a size")
+    fine = fit.hand.skin_fine
+    placed = fine.points @ fit.warped.rotation + fit.warped.origin  # where the clicks were lifted
+    mask = hand_mask(fit.pixels, fit.clicks)
+    return project_texture(fine, fit.to_picture(fine.points), fit.aligned.frame.height(placed), fit.pixels, hand=mask, size=size)
 
 
 def project_texture(
@@ -64,8 +81,10 @@ def project_texture(
     trust = _facing(skin, height)[triangle]
     inside = (place[:, 0] >= 0) & (place[:, 0] < shape[1]) & (place[:, 1] >= 0) & (place[:, 1] < shape[0])
     at = np.clip(place[:, ::-1].astype(np.int64), 0, np.array(shape) - 1)
-    _, front = foremost(points_px, height, skin.faces, (shape[0], shape[1]))
-    trust = trust * inside * (level > front[at[:, 0], at[:, 1]] - IN_FRONT)
+    step = max(1.0, max(shape) / HIDING)
+    _, front = foremost(points_px / step, height, skin.faces, (int(shape[0] / step) + 1, int(shape[1] / step) + 1))
+    cell = (at / step).astype(np.int64)
+    trust = trust * inside * (level > front[cell[:, 0], cell[:, 1]] - IN_FRONT)
     if hand is not None:
         trust = trust * _well_inside(hand)[at[:, 0], at[:, 1]]
     colour = _bilinear(picture, place)
@@ -95,7 +114,11 @@ def _well_inside(hand: Mask) -> Array:
     """0 outside the hand and at its outline, 1 a few pixels inside."""
     from scipy.ndimage import distance_transform_edt
 
-    inside: Array = np.clip(distance_transform_edt(hand) / RIM_PX - 1.0, 0.0, 1.0)
+    rows, columns = np.flatnonzero(hand.any(axis=1)), np.flatnonzero(hand.any(axis=0))
+    if not len(rows):
+        return np.zeros(hand.shape)
+    rim = max(RIM_PX, RIM_SHARE * float(max(np.ptp(rows), np.ptp(columns))))
+    inside: Array = np.clip(distance_transform_edt(hand) / rim - 1.0, 0.0, 1.0)
     return inside
 
 

@@ -16,7 +16,7 @@ from handlab.show import wire
 from handlab.simulation.geometric_muscle import OVERLAP, geometric_muscles
 from handlab.simulation.muscle_surface import TIP, Skeleton, skeletons, tube_faces
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.tendons import courses
+from handlab.simulation.tendons import EVEN, courses
 
 STRIDE = 2  # of all rings and points of a section, every second is drawn
 ROUND = 6  # corners of a tendon's section
@@ -34,7 +34,7 @@ def packed_layers(hand: Hand) -> bytes:
         "faces": np.concatenate([muscle_arrays["faces"], tendon_arrays.pop("tendon_faces")]).astype("<u2"),
         "tone": np.concatenate([muscle_arrays["tone"], pale]),
     }
-    head = {"overlap": OVERLAP, "tip": TIP, "round": ROUND, "half_unit": wire.HALF_UNIT, "stride": STRIDE}
+    head = {"overlap": OVERLAP, "tip": TIP, "round": ROUND, "half_unit": wire.HALF_UNIT, "stride": STRIDE, "even": EVEN}
     return wire.packed({"muscles": muscles, "tendons": tendons, **head}, {**muscle_arrays, **tendon_arrays, **both})
 
 
@@ -98,7 +98,7 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
     ``corner`` corners of triangles."""
     told: list[dict[str, Any]] = []
     faces = []
-    via = sample = over = 0
+    via = row = sample = over = 0
     for course in courses(hand):
         rows, vias = course.spread.shape
         stations = (rows + STRIDE - 1) // STRIDE + (rows % STRIDE == 0)
@@ -107,19 +107,21 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
         told.append(
             {
                 "name": course.name, "title": f"tendon: {course.name}", "drives": [hand.muscle_names.index(course.muscle)],
-                "radius": course.radius, "rows": rows, "vias": vias, "via": via, "weight": sample, "over": over,
+                "radius": course.radius, "rows": rows, "vias": vias, "via": via, "row": row, "weight": sample, "over": over,
                 "joints": len(course.reach),
                 "stations": stations, "first": first, "end": first + count, "corner": corner, "last": corner + mesh.size,
             }
         )  # fmt: skip
         faces.append(mesh + first)
-        via, sample, over = via + vias, sample + rows * vias, over + len(course.reach)
+        via, row, sample, over = via + vias, row + rows, sample + rows * vias, over + len(course.reach)
         first, corner = first + count, corner + mesh.size
     every = courses(hand)
     return told, {
         "via_point": np.concatenate([course.point for course in every]).astype("<f4"),
         "via_body": np.concatenate([course.body for course in every]).astype("u1"),
         "spread": np.concatenate([course.spread.ravel() for course in every]).astype("<f4"),
+        "nudge": np.concatenate([course.nudge for course in every]).astype("<f4"),
+        "nudge_body": np.concatenate([course.nudged for course in every]).astype("u1"),
         "over_centre": np.concatenate([course.centre for course in every]).astype("<f4"),
         "over_axis": np.concatenate([course.axis for course in every]).astype("<f4"),
         "over_body": np.concatenate([course.carrier for course in every]).astype("u1"),

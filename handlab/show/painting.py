@@ -241,7 +241,7 @@ class Painting:
         """All muscles of the hand (or of ``grids``), the painted one among them; it takes the place of one with its name."""
         grid = self.required().grid
         others = load_grids() if grids is None else grids
-        return muscles_of(self.hand, [*(one for one in others if True), grid])
+        return muscles_of(self.hand, [*(one for one in others if one.name != grid.name), grid])
 
 
 def influenced_by(hand: Hand, muscle: GeometricMuscles) -> Index:

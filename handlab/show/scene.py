@@ -39,7 +39,8 @@ class Scene:
     ``quality``: ``"live"`` is fastest; ``"film"`` draws at twice the resolution and averages down, for smooth outlines; ``"still"``
     adds ambient occlusion, the soft dark where surfaces meet, and sorts translucent layers by depth.
 
-    Actors: ``skin``, ``skin far side``, ``skin near side`` one per bone, by its name; ``muscle NAME``, ``tendon NAME``.
+    Actors: ``skin``, ``skin far side``, ``skin near side`` one per bone, by its name; ``muscle NAME`` (live: ``muscle bellies``),
+    ``tendon NAME``.
     """
 
     def __init__(
@@ -66,19 +67,21 @@ class Scene:
         self.plotter.set_background(PAPER, top=SKY_OF_STILLS)
         self.plotter.add_light(pv.Light(position=(-0.45, 0.65, 0.62), light_type="camera light"))
         self._normals = Normals(hand.skin_fine.faces, len(hand.skin_fine.points))
-        self._surface = self._mesh(hand.skin_fine.points, hand.skin_fine.faces, self._normals)
+        self._surface = self.mesh(hand.skin_fine.points, hand.skin_fine.faces, self._normals)
         self._bone_actors = self._add_bones()
         self._flesh = self._add_flesh(under)
         self._skin_actors = self._add_skin()
         self._clouds: list[Any] = [hand.skin_fine.points]
         self.set(skin=skin, bones=bones, view=view)
 
-    def _mesh(self, points: Any, faces: Any, normals: Normals) -> Any:
+    def mesh(self, points: Any, faces: Any, normals: Normals) -> Any:
+        """A mesh whose points and normals can be replaced in place."""
         mesh = pyvista().PolyData(np.array(points, dtype=np.float32), np.column_stack([np.full(len(faces), 3), faces]))
         mesh.point_data.active_normals = normals.of(points)
         return mesh
 
-    def _add(self, mesh: Any, name: str, material: str, density: tuple[float, float] | None = None, **how: Any) -> Any:
+    def add(self, mesh: Any, name: str, material: str, density: tuple[float, float] | None = None, **how: Any) -> Any:
+        """The actor of a mesh, of one of the materials of ``look``."""
         actor = self.plotter.add_mesh(
             mesh,
             name=name,
@@ -96,26 +99,31 @@ class Scene:
 
     def _add_bones(self) -> dict[str, Any]:
         return {
-            name: self._add(self._mesh(bone.points, bone.faces, Normals(bone.faces, len(bone.points))), name, look.BONE, color=IVORY)
+            name: self.add(self.mesh(bone.points, bone.faces, Normals(bone.faces, len(bone.points))), name, look.BONE, color=IVORY)
             for name, bone in self.hand.bones.items()
         }
 
-    def _add_flesh(self, layers: tuple[str, ...]) -> Any:
+    def _add_flesh(self, layers: tuple[str, ...]) -> list[Any]:
         """Muscles and tendons: before the skin, which is drawn over them."""
         if not layers:
-            return None
+            return []
+        from handlab.show.live_flesh import LiveMuscles
         from handlab.show.muscle_layer import MuscleLayer
 
-        return MuscleLayer(self, bellies="muscles" in layers, sinews="tendons" in layers)
+        fast, muscles, tendons = self._quality == "live", "muscles" in layers, "tendons" in layers
+        found: list[Any] = [LiveMuscles(self)] if fast and muscles else []
+        if tendons or (muscles and not fast):
+            found.append(MuscleLayer(self, bellies=muscles and not fast, sinews=tendons))
+        return found
 
     def _add_skin(self) -> dict[Skin, list[Any]]:
         self._surface.point_data["tone"] = complexion(self.hand)
         tone: Any = {"scalars": "tone", "rgb": True}
         return {
-            "solid": [self._add(self._surface, "skin", look.SKIN, **tone)],
+            "solid": [self.add(self._surface, "skin", look.SKIN, **tone)],
             "translucent": [
-                self._add(self._surface, "skin far side", look.SKIN, look.FAR_SIDE, culling="front", **tone),
-                self._add(self._surface, "skin near side", look.SKIN, look.NEAR_SIDE, culling="back", **tone),
+                self.add(self._surface, "skin far side", look.SKIN, look.FAR_SIDE, culling="front", **tone),
+                self.add(self._surface, "skin near side", look.SKIN, look.NEAR_SIDE, culling="back", **tone),
             ],
             "hidden": [],
         }
@@ -176,8 +184,8 @@ class Scene:
         row = {name: k for k, name in enumerate(self.hand.body_names)}
         for name, actor in self._bone_actors.items():
             actor.user_matrix = moved[row[self.hand.bones[name].body]]
-        if self._flesh is not None:
-            self._flesh.pose(moment.angle, moment.contraction)
+        for layer in self._flesh:
+            layer.pose(moment.angle, moment.contraction)
 
     def tint(self, tone: NDArray[np.uint8]) -> None:
         """Other colours (Nf, 3) for the points of the fine skin."""

@@ -25,7 +25,7 @@ class BoneField(NamedTuple):
     ``origin`` (b, 3) m in the bind posture, ``size`` (b, 3) points, ``start`` (b,), ``spacing`` m.
     """
 
-    value: Array
+    value: NDArray[np.float32]
     start: Index
     size: Index
     origin: Array
@@ -42,7 +42,7 @@ def bone_field(hand: Hand) -> BoneField:
         start.append(start[-1] + grid.size)
         size.append(grid.shape)
         origin.append(low)
-    return BoneField(frozen(np.concatenate(values)), frozen(start[:-1], np.int64), frozen(size, np.int64), frozen(origin), SPACING)
+    return BoneField(frozen(np.concatenate(values), np.float32), frozen(start[:-1], np.int64), frozen(size, np.int64), frozen(origin), SPACING)
 
 
 def _grid(bones: list[Mesh]) -> tuple[Array, Array]:

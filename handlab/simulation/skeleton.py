@@ -45,8 +45,8 @@ def contraction_of(hand: Hand, contraction: Mapping[str, float] | ArrayLike) -> 
         values = np.array(contraction, dtype=np.float64)
         if values.shape != (len(hand.muscle_names),):
             raise ValueError(f"contraction has shape {values.shape}; give {len(hand.muscle_names)} values, or a mapping by muscle name")
-    wrong = np.flatnonzero(~((values >= 0.0) & (values <= 1.0)))
-    if len(wrong):
+    if not (values.min() >= 0.0 and values.max() <= 1.0):
+        wrong = np.flatnonzero(~((values >= 0.0) & (values <= 1.0)))
         name, value = hand.muscle_names[wrong[0]], values[wrong[0]]
         raise ValueError(f"contraction of {name!r} is {value:g}; contraction values lie between 0 and 1")
     return values

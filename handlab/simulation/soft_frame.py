@@ -17,7 +17,7 @@ from handlab.anatomy.terms import find
 from handlab.simulation import skin_kernel
 from handlab.simulation import soft_hold_kernel as limits
 from handlab.simulation import soft_skin_kernel as kernel
-from handlab.simulation.bone_field import bone_field
+from handlab.simulation.bone_field import REACH, bone_field
 from handlab.simulation.clip import Clip
 from handlab.simulation.geometric_muscle import Ellipsoids, place
 from handlab.simulation.kinematics import relative_transforms
@@ -25,7 +25,7 @@ from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skeleton import contraction_of, held_coordinates, integrate, substeps_of
-from handlab.simulation.skin import binding, blend_into
+from handlab.simulation.skin import binding, blend, blend_into
 from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin
 from handlab.simulation.soft_skin_kernel import Node
 
@@ -38,12 +38,14 @@ PART, PASSES, ROUNDS = 0.1, 16, 12  # how far (more would make skin snap visibly
 BONE_ROUNDS = 6  # rounds in which skin is pushed out of bone; where limits exclude each other, a whole skin comes before a deep bone
 CENTRE_PASSES = 6
 # A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.
-COLUMN_POWER, COLUMN, COLUMN_REACH, COLUMN_PASSES = 0.7, (0.6, 1.4), 0.010, 3
+# By area to the power of -3/4, written as roots in ``columns``.
+COLUMN, COLUMN_REACH, COLUMN_PASSES = (0.6, 1.4), 0.010, 3
 LIFT = 0.012  # m: a node follows a muscle's surface by less than this
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
 CLEARANCE, MOST_CLEARANCE = 0.7, 0.0015  # skin keeps this share of its rest distance from bone, at most so many metres
 NEAR_BONE = 0.015  # m: bones of the palm that come this near a node in the bind posture are asked for
+POSTURES = 300  # random ones; from 100 to 300 of them add 2 in 100 pairs
 OWN, FAR_BONE = 0.02, 0.020  # and within this reach those of bodies that have this weight in it
 
 
@@ -79,7 +81,9 @@ def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None =
         kernel.lifted(
             ties.node, ties.ellipsoid, ties.share, ties.local, ties.below, network.centre, out.turn, *ellipsoids, LIFT, out.centre
         )
-    limits.unfold(out.centre, out.turn, network.faces, network.corner, LEAST_TURN, PART, CENTRE_PASSES)
+    last, clock = np.zeros(count, np.int64), np.zeros(3, np.int64)
+    shape = (network.faces, network.corner, network.face_normal)
+    limits.unfold(out.centre, out.turn, *shape, LEAST_TURN, PART, CENTRE_PASSES, last, clock)
     kernel.columns(
         out.centre,
         out.arm,
@@ -90,7 +94,6 @@ def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None =
         network.area,
         network.depth,
         swelling,
-        COLUMN_POWER,
         *COLUMN,
         COLUMN_REACH,
         COLUMN_PASSES,
@@ -131,25 +134,37 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
 
     Inverted means against the rotation of the skin's own blend, not of the anchors'.
     """
-    pairs, field, bound = guard(hand), bone_field(hand), binding(hand)
-    field_arrays = (field.value, field.start, field.size, field.origin, field.spacing)
+    bound = binding(hand)
     quaternion, turn = np.empty((len(transforms), 8)), np.empty((4, position.shape[1]))
     skin_kernel.dual_quaternions(transforms, quaternion)
     kernel.turned(quaternion, bound.index, bound.weight, turn)
-    faults = 0
-    for k in range(ROUNDS):
-        if k < BONE_ROUNDS:
-            limits.out_of_bone(position, transforms, pairs.corner, pairs.body, pairs.clearance, *field_arrays)
-        long = limits.shorten(position, network.first, network.second, LONGEST * network.longest, PASSES)
-        faults = limits.unfold(position, turn, network.faces, network.corner, LEAST_TURN, PART, PASSES)
-        if not long and not faults:
-            break
-    return faults
+    return limits.limited(
+        position,
+        transforms,
+        turn,
+        *guard(hand),
+        *bone_field(hand),
+        network.first,
+        network.second,
+        LONGEST * network.longest,
+        network.faces,
+        network.corner,
+        network.face_normal,
+        LEAST_TURN,
+        PART,
+        PASSES,
+        ROUNDS,
+        BONE_ROUNDS,
+    )
 
 
 @per_hand
 def guard(hand: Hand) -> Guard:
-    """Nodes and triangles, and the bodies whose bones they must stay out of: what moves them, and what is near in the bind posture."""
+    """Nodes and triangles, and the bodies whose bones they must stay out of: what moves them, and what is near in the bind posture.
+
+    Of these pairs only those stay that blending alone brings within the reach of the bones' field, 5 mm, in any of many postures, most
+    of them near limits: springs and muscles move skin along or away from bone, and a clearance is at most 1.5 mm.
+    """
     from scipy.spatial import cKDTree
 
     points, faces = hand.skin.points, hand.skin.faces
@@ -165,7 +180,15 @@ def guard(hand: Hand) -> Guard:
         corner.append(corners[mine])
         body.append(np.full(len(mine), b))
         clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
-    return Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
+    pairs = Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
+    field, least, rng = bone_field(hand), np.full(len(pairs.body), np.inf), np.random.default_rng(0)
+    low, high = mechanics(hand).limits.T
+    for k in range(POSTURES):
+        angle = coupled(hand, low + rng.beta(0.5, 0.5, len(low)) * (high - low)) if k else hand.bind
+        transforms = relative_transforms(hand, angle)
+        position = np.ascontiguousarray(blend(hand, angle).T)
+        limits.nearest_bone(position, transforms, pairs.corner, pairs.body, *field, least)
+    return Guard(*(frozen(v[least < 0.999 * REACH], v.dtype) for v in pairs))
 
 
 def begin(hand: Hand, network: Network, angle: ArrayLike, contraction: ArrayLike | None = None, *, skin: Skin = SKINS[2]) -> SoftSkin:

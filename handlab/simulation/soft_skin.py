@@ -28,7 +28,7 @@ from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import packed
 from handlab.simulation.soft_skin_kernel import Node
 from handlab.simulation.soft_ties import Ties, ties_of
-from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, node_areas
+from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, face_normals, node_areas
 
 YOUNG = 100e3  # Pa, skin in tension: the order of most measurements in vivo
 TISSUE = 15e3  # Pa, fat and loose tissue below the skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
@@ -56,6 +56,7 @@ class Network:
     ``mass`` (n,) kg. Per node: ``points`` (n, 3), ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the
     anchor, ``hold`` (n,) N/m of one of the two springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres,
     ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
+    Per triangle: ``corner`` (M, 9) m from its middle, ``face_normal`` (M, 3) as long as twice its area.
     ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
     """
 
@@ -81,6 +82,7 @@ class Network:
     volume: float
     compliance: float
     corner: Array
+    face_normal: Array
     longest: Array
     ties: Ties
     muscles: GeometricMuscles | None
@@ -240,6 +242,7 @@ def _network(
         volume=skin.volume,
         compliance=float(area @ depth),
         corner=frozen((points[skin.faces] - middle).reshape(-1, 9)),
+        face_normal=frozen(face_normals(skin)),
         longest=frozen(length),
         ties=ties,
         muscles=muscles,

@@ -197,7 +197,6 @@ def columns(
     area: Array,
     depth: Array,
     swelling: float,
-    power: float,
     low: float,
     high: float,
     reach: float,
@@ -205,12 +204,13 @@ def columns(
 ) -> None:
     """Columns of tissue keep their volume, in place: shorter where the net of ``centre`` (3, n) is stretched, longer where it is pressed.
 
-    A column's length changes by (area / area now) ** ``power``, evened out along the edges ``passes`` times, between ``low`` and ``high``,
+    A column's length changes by (area / area now) ** 0.75, evened out along the edges ``passes`` times, between ``low`` and ``high``,
     and by 1 + ``swelling``, less below taut skin; of columns deeper than ``reach`` only so much of the depth. ``degree`` (n,)
     counts the edges of each node.
     """
     nodes = centre.shape[1]
     now, mean = np.zeros(nodes), np.empty(nodes)
+    weight = 0.5 / degree
     for f in range(faces.shape[0]):
         i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
         ax, ay, az = centre[0, j] - centre[0, i], centre[1, j] - centre[1, i], centre[2, j] - centre[2, i]
@@ -229,11 +229,12 @@ def columns(
             mean[i] += now[j]
             mean[j] += now[i]
         for i in range(nodes):
-            now[i] = 0.5 * now[i] + 0.5 * mean[i] / degree[i]
+            now[i] = 0.5 * now[i] + weight[i] * mean[i]
     for i in range(nodes):
         # what fills the volume goes where skin is loose, not below taut skin
         loose = min(max(1.0 - 2.0 * now[i], 0.0), 2.0)
-        g = min(max((1.0 + now[i]) ** (-power), low), high) * (1.0 + loose * swelling) - 1.0
+        ratio = 1.0 + now[i]
+        g = min(max(1.0 / math.sqrt(ratio * math.sqrt(ratio)), low), high) * (1.0 + loose * swelling) - 1.0
         g *= min(1.0, reach / depth[i])
         for d in range(3):
             centre[d, i] += g * arm[d, i]

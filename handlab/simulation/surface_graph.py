@@ -25,8 +25,14 @@ def edges_of(mesh: Mesh) -> Index:
 
 def face_areas(mesh: Mesh) -> Array:
     """Areas (M,) of the triangles in m^2."""
+    result: Array = np.linalg.norm(face_normals(mesh), axis=1) / 2.0
+    return result
+
+
+def face_normals(mesh: Mesh) -> Array:
+    """Normals (M, 3) of the triangles, as long as twice their area."""
     a, b, c = (mesh.points[mesh.faces[:, k]] for k in range(3))
-    result: Array = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2.0
+    result: Array = np.cross(b - a, c - a)
     return result
 
 

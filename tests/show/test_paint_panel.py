@@ -15,9 +15,10 @@ from handlab.anatomy.terms import UnknownName
 from handlab.show.paint_panel import PaintPanel
 from handlab.show.paint_picture import PaintPicture
 from handlab.show.painting import influenced_by
-from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles
+from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles, muscles_of
 from handlab.simulation.kinematics import relative_transforms
-from handlab.simulation.muscle_below import influenced
+from handlab.simulation.muscle_below import DEEP, hits, influenced
+from handlab.simulation.muscle_fit import checked_skin
 from handlab.simulation.soft_skin import soft_skin
 
 SHIPPED = next(grid for grid in load_grids() if grid.name == "flexor_pollicis_brevis")
@@ -106,6 +107,20 @@ def test_a_click_beside_the_hand_says_so_and_changes_nothing(painted):
     assert painted.click(1.5, 0.5) is False
 
 
+def test_going_nearer_keeps_the_place_under_the_mouse_and_stops_in_time(hand, rows):
+    canvas, thumb = PaintPicture(hand), rows[1, 0]
+    (x, y), (there, _) = canvas.places(thumb)[0][0], canvas.places(hand.bones["metacarpal_5"].points[:2])[0]
+    canvas.zoom(1.7, x, y)
+    assert np.linalg.norm(canvas.pick(x, y) - thumb) < 3e-3, "exact in the plane of the middle, near it elsewhere"
+    after = canvas.places(hand.bones["metacarpal_5"].points[:1])[0][0]
+    assert np.linalg.norm(after - (x, y)) == pytest.approx(1.7 * np.linalg.norm(there - (x, y)), rel=0.1)
+    for _ in range(50):
+        canvas.zoom(2.0)
+    assert canvas.camera.distance == pytest.approx(0.15)
+    with pytest.raises(ValueError, match="positive"):
+        canvas.zoom(0.0)
+
+
 def test_points_on_the_far_side_are_told_apart(hand, rows):
     canvas = PaintPicture(hand)
     assert canvas.places(rows[1])[1].all()
@@ -138,8 +153,18 @@ def test_a_muscle_appears_in_under_a_second_with_its_grid_in_blue_and_its_points
 def test_influenced_points_are_those_of_the_whole_hand_s_rule(hand, painted):
     result = painted.painting.result
     np.testing.assert_array_equal(np.sort(result.influenced), np.sort(influenced(hand, result.muscle, "painted")))
-    np.testing.assert_array_equal(influenced_by(hand, result.muscle), result.influenced)
     assert 5 < len(result.influenced) < 60
+
+
+def test_bone_hides_a_deep_muscle_from_the_skin_behind_it(hand):
+    deep = [muscles_of(hand, [grid]) for grid in load_grids() if grid.name in ("palmar_interosseus_2", "adductor_pollicis_oblique")]
+    hidden = 0
+    for muscle in deep:
+        found = influenced_by(hand, muscle)
+        np.testing.assert_array_equal(np.sort(found), np.sort(influenced(hand, muscle, muscle.names[0])))
+        reached = hits(muscle.rest, hand.skin.points, -checked_skin(hand))[0] < DEEP
+        hidden += np.count_nonzero(reached) - len(found)
+    assert hidden > 5
 
 
 def test_rows_between_two_bones_follow_both_and_ends_are_fixed(painted):

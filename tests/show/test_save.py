@@ -164,3 +164,25 @@ def test_a_sheet_has_a_row_per_posture_and_a_column_per_view_and_skin(hand, tmp_
     assert not drawn(image[:, :margin]).any()
     assert not drawn(image[:head]).any()
     assert np.array_equal(iio.imread(tmp_path / "sheet.png"), image)
+
+
+@pytest.mark.xdist_group("pictures")
+def test_muscles_are_drawn_under_a_translucent_skin_and_nothing_of_them_under_a_solid_one(hand, grip, tmp_path):
+    from handlab.show.moments import story
+    from handlab.show.tiles import Tiles, layout
+
+    def seen(skin, layers):
+        told = story(grip)
+        tiles = Tiles(told, layout("palm", skin, size=(300, 380), muscles=False, layers=layers), quality="film")
+        try:
+            return tiles.picture(told.at(0.5)).astype(int)
+        finally:
+            tiles.close()
+
+    assert np.array_equal(seen("solid", ()), seen("solid", ("muscles", "tendons")))
+    bare, flesh = seen("translucent", ()), seen("translucent", ("muscles",))
+    changed = np.abs(bare - flesh).max(axis=2) > 12
+    assert 0.005 < changed.mean() < 0.2
+    assert (flesh - bare)[changed][:, 1].mean() < -20  # red takes the green away
+    with pytest.raises(LookupError, match="did you mean muscles"):
+        hl.save(grip, tmp_path / "a.png", layers=["muscels"])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import handlab as hl
 from handlab.show import wire
 from handlab.show.exports import fulfilled
-from handlab.show.session import FORMATS, MINE, Session
+from handlab.show.session import ACTS, FORMATS, MINE, Session
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.skin import blend
 

@@ -168,7 +168,7 @@ def test_a_node_in_bone_is_pushed_out_to_its_clearance(hand):
     mine = (pairs.corner == node).all(axis=1) & (pairs.body == b)
     only = soft_frame.Guard(*(v[mine] for v in pairs))
     for _ in range(3):
-        soft_hold_kernel.out_of_bone(position, relative_transforms(hand, hand.bind), *only, *field)
+        soft_hold_kernel.out_of_bone(position, relative_transforms(hand, hand.bind), *only, *field, np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64))
     corners = np.ascontiguousarray(bone.points[bone.faces])
     point = np.ascontiguousarray(position[:, node][None])
     assert winding(point, corners)[0] < 0.5
@@ -183,7 +183,9 @@ def test_a_triangle_that_was_turned_over_is_turned_back(network):
     turn[0] = 1.0
     last = 1
     for _ in range(20):
-        last = soft_hold_kernel.unfold(position, turn, network.faces, network.corner, 0.1, 0.5, 8)
+        stamps, clock = np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64)
+        shape = (network.faces, network.corner, network.face_normal)
+        last = soft_hold_kernel.unfold(position, turn, *shape, 0.1, 0.5, 8, stamps, clock)
         if not last:
             break
     assert last == 0

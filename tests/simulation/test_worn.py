@@ -75,7 +75,7 @@ def test_a_dressed_state_has_the_same_bones_and_a_skin_at_rest(hand):
     other = dress(hand, state)
     assert np.array_equal(other.angle, state.angle)
     assert 3e-4 < np.abs(other.skin - state.skin).max() < 2e-2
-    assert np.array_equal(dress(hand, state, skin="blend").skin, state.skin)
+    assert np.abs(dress(hand, state, skin="blend").skin - state.skin).max() < 1e-12
 
 
 def test_threads_that_ask_at_once_get_the_same_frames(hand, soft):

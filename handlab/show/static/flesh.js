@@ -85,7 +85,7 @@ export class Flesh {
   }
 
   layTendon(t, M) {
-    const A = this.layers.arrays, via = new Float64Array(3 * t.vias), line = new Float64Array(3 * t.rows);
+    const A = this.layers.arrays, via = new Float64Array(3 * t.vias), line = new Float64Array(3 * t.rows), lift = new Float64Array(3);
     const moved = (body, P, p, shift, out, o) => {
       for (let x = 0; x < 3; x++) {
         const m = 12 * body + 4 * x;
@@ -98,6 +98,8 @@ export class Flesh {
         const w = A.spread[t.weight + r * t.vias + v];
         if (w) for (let x = 0; x < 3; x++) line[3 * r + x] += w * via[3 * v + x];
       }
+      moved(A.nudge_body[t.row + r], A.nudge, 3 * (t.row + r), false, lift, 0); // off the bones between via points
+      for (let x = 0; x < 3; x++) line[3 * r + x] += lift[x];
     }
     const centre = new Float64Array(3 * t.joints), axis = new Float64Array(3 * t.joints);
     for (let j = 0; j < t.joints; j++) {
@@ -118,7 +120,7 @@ export class Flesh {
         }
       }
     };
-    for (let pass = 0; pass < 2; pass++) {
+    for (let pass = 0; pass < this.layers.even; pass++) {
       layOver();
       const old = line.slice();
       for (let r = 3; r < line.length - 3; r++) line[r] = 0.5 * old[r] + 0.25 * old[r - 3] + 0.25 * old[r + 3];
