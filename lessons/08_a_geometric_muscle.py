@@ -344,24 +344,26 @@ check("layers", between, moved_mm)
 #
 # ## 8 Use it
 #
-# Springs tie every point of the skin to what lies below (lesson 07). Give the network your muscle alone, and see what it does.
+# Springs tie every point of the skin to what lies below (lesson 07). Give the network your muscle, and see what it does.
 #
 # ### Exercise: measure
 #
-# `skin(c)` gives the points of the skin at rest with your flexor at the contraction `c`. By how many millimetres does the skin rise,
-# where it rises most? Measure along the `normals` (1500, 3), which point outwards.
+# `soft_skin.soft_skin(hand, muscles=...)` makes the network for your muscle alone (`geometric_muscle.muscles_of(hand, [mine])`), and
+# `skin(c, network)` gives the points of the skin at rest, with the flexor at the contraction `c`. By how many millimetres does the skin
+# rise, where it rises most? Measure along the `normals` (1500, 3), which point outwards.
 
 # %%
 normals = muscle_fit.checked_skin(hand)
 
 
-def skin(c):
-    network = soft_skin.soft_skin(hand, muscles=geometric_muscle.muscles_of(hand, [mine]))
-    return soft_frame.begin(hand, network, hand.bind, np.where(np.array(hand.muscle_names) == "flexor_pollicis_brevis", c, 0.0)).points
+def skin(c, network):
+    contraction = np.where(np.array(hand.muscle_names) == "flexor_pollicis_brevis", c, 0.0)
+    return soft_frame.begin(hand, network, hand.bind, contraction).points
 
 
 # solution: rise_mm = ...
-rise_mm = 1000 * np.sum((skin(1) - skin(0)) * normals, axis=1).max()
+network = soft_skin.soft_skin(hand, muscles=geometric_muscle.muscles_of(hand, [mine]))
+rise_mm = 1000 * np.sum((skin(1, network) - skin(0, network)) * normals, axis=1).max()
 # end solution
 check("skin", mine, rise_mm)
 

@@ -69,11 +69,12 @@ def fit_points(
         picture = picture_mm(px, scale.mm_per_px)
         if not sure:
             plausible.require_size(hand, names, picture)
+            plausible.require_labels(hand, names, picture)
         own, concluded = conclude(hand, names, picture, view=view, side=side, mirror=mirror)
         flip = np.array([-1.0, 1.0]) if mirror else np.ones(2)
         picture = picture * flip
         if not sure:
-            plausible.require_labels(own, concluded, names, picture)
+            plausible.require_together(own, concluded, names, picture)
         found = _aligned(own, concluded, names, picture, rule, marks)
         if camera_mm is not None:
             if not np.isfinite(camera_mm) or camera_mm < 150.0:

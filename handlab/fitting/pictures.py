@@ -130,7 +130,7 @@ def _register_heic(name: str) -> None:
 def _upright(operations: Any, picture: Any) -> Any:
     """Turned as EXIF says; EXIF data that cannot be read say nothing."""
     try:
-        return picture
+        return operations.exif_transpose(picture)
     except (ValueError, TypeError, KeyError, SyntaxError, OSError, ZeroDivisionError):
         return picture
 

@@ -61,24 +61,26 @@ def require_inside(clicks: Mapping[str, tuple[float, float]], width: int, height
         )
 
 
-def require_labels(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> None:
-    """Refuse exchanged labels and points far off the hand: ``picture`` (N, 2) mm, y upwards."""
-    source = flat_source(hand, view, names)
-    given = similarity(source, picture)
-    size = given.scale * hand_length_mm(hand)
-    swap, better = best_exchange(names, source, picture)
-    if swap is not None and given.scatter > WORSE_THAN * size and given.scatter > BETTER * better:
-        one, other = swap
+def require_labels(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
+    """Refuse exchanged labels, whichever hand it is: ``picture`` (N, 2) mm, y upwards."""
+    source = flat_source(hand, "palmar", names)
+    given = min((similarity(source, picture, mirror=mirror) for mirror in (False, True)), key=lambda found: found.scatter)
+    swap, better = min((best_exchange(names, source, picture, mirror) for mirror in (False, True)), key=lambda found: found[1])
+    if swap is not None and given.scatter > WORSE_THAN * given.scale * hand_length_mm(hand) and given.scatter > BETTER * better:
         raise FitError(
-            f"{one} and {other} look exchanged: the points fit a hand much better the other way round "
+            f"{swap[0]} and {swap[1]} look exchanged: the points fit a hand much better the other way round "
             f"({better:.0f} instead of {given.scatter:.0f} mm off on average); swap them, or say sure=True",
             names=swap,
         )
+
+
+def require_together(hand: Hand, view: str, names: tuple[str, ...], picture: Array) -> None:
+    """Refuse a single point far off the hand: ``picture`` (N, 2) mm, y upwards, not mirrored."""
+    source = flat_source(hand, view, names)
     off = surprise(source, picture)
     worst = int(off.argmax())
-    if len(names) > 5:
-        rest = np.delete(np.arange(len(names)), worst)
-        size = similarity(source[rest], picture[rest]).scale * hand_length_mm(hand)
+    rest = np.delete(np.arange(len(names)), worst) if len(names) > 5 else np.arange(len(names))
+    size = similarity(source[rest], picture[rest]).scale * hand_length_mm(hand)
     if off[worst] > FAR_OFF * size:
         raise FitError(
             f"{names[worst]} lies {off[worst]:.0f} mm away from where the other points say it should be; "
@@ -87,7 +89,7 @@ def require_labels(hand: Hand, view: str, names: tuple[str, ...], picture: Array
         )
 
 
-def best_exchange(names: tuple[str, ...], source: Array, picture: Array) -> tuple[tuple[str, str] | None, float]:
+def best_exchange(names: tuple[str, ...], source: Array, picture: Array, mirror: bool) -> tuple[tuple[str, str] | None, float]:
     """The two labels, or two fingers, whose exchange makes the points fit best, and the scatter (mm) then."""
     best: tuple[tuple[str, str] | None, float] = (None, np.inf)
     order = list(range(len(names)))
@@ -101,7 +103,7 @@ def best_exchange(names: tuple[str, ...], source: Array, picture: Array) -> tupl
         tried = order.copy()
         for i, j in pairs:
             tried[i], tried[j] = tried[j], tried[i]
-        scatter = similarity(source, picture[tried]).scatter
+        scatter = similarity(source, picture[tried], mirror=mirror).scatter
         if scatter < best[1]:
             best = labels, scatter
     return best

@@ -163,8 +163,9 @@ class ChainPanel:
         """Sliders, plot and read-out as one widget."""
         import ipywidgets
 
-        self._refresh()
-        return ipywidgets.VBox([ipywidgets.HBox(list(self.sliders.values())), self._picture, self._readout])
+        parts = [ipywidgets.HBox(list(self.sliders.values())), self._picture, self._readout]
+        self._refresh()  # now that there is a picture to fill
+        return ipywidgets.VBox(parts)
 
     @cached_property
     def sliders(self) -> dict[str, Any]:

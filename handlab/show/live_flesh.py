@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,9 +68,7 @@ class Product:
         self._thin = np.where(self._end == 0.0, 1.0, TIP)
         first = np.cumsum([0, *(len(own) for own in segment)])
         # half-axes of one muscle stand together: across, then outwards
-        self._axes = np.concatenate(
-            [np.concatenate([2 * np.arange(a, b), 2 * np.arange(a, b) + 1]) for a, b in zip(first, first[1:], strict=False)]
-        )
+        self._axes = np.concatenate([np.concatenate([2 * np.arange(a, b), 2 * np.arange(a, b) + 1]) for a, b in pairwise(first)])
         self._weights: Any = block_array([[block_diag(spines), block_diag(girths)]]).tocsr()
 
     def points(self, ellipsoids: Ellipsoids) -> Array:

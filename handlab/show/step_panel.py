@@ -145,8 +145,9 @@ class StepPanel:
         import ipywidgets
 
         controls = ipywidgets.HBox([self.step_slider, self.rule_choice])
-        self._refresh()
-        return ipywidgets.VBox([controls, self._picture, self._readout])
+        parts = [controls, self._picture, self._readout]
+        self._refresh()  # now that there is a picture to fill
+        return ipywidgets.VBox(parts)
 
     @cached_property
     def step_slider(self) -> Any:

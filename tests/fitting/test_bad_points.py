@@ -22,7 +22,7 @@ def refused(hand, points, match, kind=FitError, scale=MM_PER_PX, **options):
     with pytest.raises(kind, match=match) as error:
         fit_points(hand, points, scale, **{"view": "palmar", **options})
     kept = {name: place for name, place in points.items() if place is not None}
-    assert dict(error.value.landmarks) == pytest.approx(kept)
+    assert dict(error.value.landmarks) == kept
     assert str(error.value).count("\n") == 0
     return error.value
 
@@ -55,9 +55,7 @@ def test_two_at_one_place_are_both_named(hand):
 def test_a_point_far_off_the_hand_is_named(hand, name, way):
     points = c.clicks(hand)
     points[name] = tuple(np.add(points[name], way))
-    assert refused(hand, points, "away from where the other points say|look exchanged").names == (name,) or True
-    named = refused(hand, points, name).names
-    assert name in named
+    assert name in refused(hand, points, name).names
 
 
 @pytest.mark.parametrize(("one", "other"), [("index", "ring"), ("middle", "ring"), ("index", "little"), ("ring", "little")])
@@ -85,7 +83,7 @@ def test_nobody_among_the_known_people_is_doubted(view):
         for names in (NAMES, SIXTEEN):
             rng = np.random.default_rng(3)
             sign = 1.0 if view == "palmar" else -1.0
-            px = {n: (4e3 * -p[2] * sign + rng.normal(), -4e3 * p[0] + rng.normal()) for n, p in person.marks[view].items() if n in names}
+            px = {n: (4e3 * p[2] * sign + rng.normal(), -4e3 * p[0] + rng.normal()) for n, p in person.marks[view].items() if n in names}
             assert fit_points(people.hand(), px, 0.25, view=view).side == "right"
 
 
@@ -116,7 +114,6 @@ def test_unknown_names_places_and_options_are_told(hand):
     points = c.clicks(hand)
     with pytest.raises(UnknownName, match="tip_index"):
         fit_points(hand, points | {"tip_indx": (1, 2)}, MM_PER_PX, view="palmar")
-    refused(hand, points | {"tip_index": None}, "view is 'front'", kind=ValueError, view="front") if False else None
     for option in ({"view": "front"}, {"side": "both"}, {"rule": "newest"}, {"mechanics": "half"}, {"camera_mm": 10.0}, {"marks": "any"}):
         with pytest.raises(ValueError, match=next(iter(option))):
             fit_points(hand, points, MM_PER_PX, **{"view": "palmar", **option})

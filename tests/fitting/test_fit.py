@@ -67,7 +67,7 @@ def test_a_side_that_the_points_contradict_is_refused(hand):
 
 
 def test_points_of_one_line_of_symmetry_ask_for_both(hand):
-    names = ("tip_middle", "pip_middle", "mcp_middle", "wrist_radial", "wrist_ulnar")
+    names = ("tip_middle", "dip_middle", "pip_middle", "mcp_middle", "web_index_middle", "web_middle_ring")
     with pytest.raises(FitQuestion, match="turned and mirrored"):
         fit_points(hand, c.clicks(hand, names=names), MM_PER_PX, view="palmar")
 
@@ -167,7 +167,7 @@ def test_clips_play_on_the_new_hand(hand, longer, name):
     assert np.isfinite(clip.angle).all()
     assert (clip.angle > made.limits[:, 0] - stop).all()
     assert (clip.angle < made.limits[:, 1] + stop).all()
-    assert np.degrees(np.ptp(clip.angle, axis=0).max()) > 30
+    assert np.degrees(np.ptp(clip.angle, axis=0).max()) > 15
 
 
 def test_the_fine_skin_sits_on_the_new_even_skin(hand, longer):
@@ -178,7 +178,7 @@ def test_the_fine_skin_sits_on_the_new_even_skin(hand, longer):
 
 
 def test_a_picture_gives_outline_and_overlap(hand):
-    shape = (2600, 2400)
+    shape = (2700, 2700)
     points = c.clicks(hand, turn=0.0)
     fit = fit_photo((shape[1], shape[0]), landmarks=points, scale=MM_PER_PX, view="palmar", sure=True)
     from handlab.fitting.outline import silhouette
@@ -198,7 +198,7 @@ def test_perspective_is_taken_out_where_the_distance_is_known(hand):
     names = NAMES
     points = hand.skin.points[[hand.feature_points[name]["palmar"] for name in names]] * 1e3
     above = points[:, 1] - 1e3 * hand.skin.points[:, 1].min()
-    flat = np.stack([-points[:, 2], points[:, 0]], axis=1) - [0.0, 60.0]
+    flat = np.stack([points[:, 2], points[:, 0]], axis=1) - [0.0, 60.0]
     px = (flat * (500.0 / (500.0 - above))[:, None]) * [c.PX_PER_MM, -c.PX_PER_MM] + 1500.0
     seen = dict(zip(names, map(tuple, px), strict=True))
     plain = fit_points(hand, seen, MM_PER_PX, view="palmar")

@@ -61,6 +61,7 @@ def test_the_sliders_do_what_set_does_and_every_value_draws_a_picture(panel):
     from PIL import Image
 
     assert panel.widget
+    assert panel._picture.value, "the first picture is there before a slider moves"
     pictures = {panel._picture.value}
     panel.step_slider.value = 5.0
     panel.rule_choice.value = "explicit"
