@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from handlab.show.excursion_plots import excursion_plot
     from handlab.show.force_length_plots import force_length
     from handlab.show.inertia_plots import inertia_table_errors, wrist_inertia
+    from handlab.show.paint_panel import PaintPanel
     from handlab.show.panels import MusclePanel
     from handlab.show.plots import lever_arm_map
     from handlab.show.save import save
@@ -29,12 +30,14 @@ if TYPE_CHECKING:
     from handlab.show.view import view
     from handlab.show.wrist_plots import wrist_plot
     from handlab.simulation.clip import Clip
+    from handlab.simulation.geometric_muscle import geometric_muscles
     from handlab.simulation.inertia_tables import inertia_tables
     from handlab.simulation.keyframes import KeyFrames, clips, keyframes
     from handlab.simulation.laws import Laws
     from handlab.simulation.play import simulate
     from handlab.simulation.settle import settle
     from handlab.simulation.skeleton import pose, rest, step
+    from handlab.simulation.soft_skin import soft_skin
     from handlab.simulation.state import State
     from handlab.simulation.to_mjcf import to_mjcf
 
@@ -73,6 +76,9 @@ _HOME = {
     "sheet": "handlab.show.sheet",
     "view": "handlab.show.view",
     "MusclePanel": "handlab.show.panels",
+    "soft_skin": "handlab.simulation.soft_skin",
+    "geometric_muscles": "handlab.simulation.geometric_muscle",
+    "PaintPanel": "handlab.show.paint_panel",
 }
 
 __all__ = [
@@ -82,6 +88,7 @@ __all__ = [
     "Laws",
     "Muscle",
     "MusclePanel",
+    "PaintPanel",
     "State",
     "__version__",
     "brand_plot",
@@ -89,6 +96,7 @@ __all__ = [
     "curves",
     "excursion_plot",
     "force_length",
+    "geometric_muscles",
     "inertia_table_errors",
     "inertia_tables",
     "keyframes",
@@ -101,6 +109,7 @@ __all__ = [
     "settle",
     "sheet",
     "simulate",
+    "soft_skin",
     "step",
     "step_plot",
     "to_mjcf",

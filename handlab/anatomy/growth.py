@@ -38,7 +38,9 @@ def grown_muscles(muscles: Mapping[str, Muscle], growth: Growth, dof_names: tupl
             muscle,
             rest_length=muscle.rest_length * growth.length,
             rest_length_printed=muscle.rest_length_printed * growth.length,
-            lever_arms=tuple(replace(arm, used=arm.used * factor[arm.dof], printed=arm.printed * factor[arm.dof]) for arm in muscle.lever_arms),
+            lever_arms=tuple(
+                replace(arm, used=arm.used * factor[arm.dof], printed=arm.printed * factor[arm.dof]) for arm in muscle.lever_arms
+            ),
         )
         for name, muscle in muscles.items()
     }

@@ -51,7 +51,9 @@ def ruler(first: Sequence[float], second: Sequence[float], millimetres: float) -
     a, b = (_place(click, name) for click, name in ((first, "the first click on the ruler"), (second, "the second click on the ruler")))
     apart = math.dist(a, b)
     if apart < 2.0:
-        raise ValueError(f"the two clicks on the ruler are {apart:.1f} pixels apart; click two marks that are far from each other, such as 0 and 20 cm")
+        raise ValueError(
+            f"the two clicks on the ruler are {apart:.1f} pixels apart; click two marks that are far from each other, such as 0 and 20 cm"
+        )
     return Scale(millimetres / apart, f"ruler, {millimetres:g} mm on {apart:.1f} px", math.sqrt(2.0) / apart)
 
 

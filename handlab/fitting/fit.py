@@ -94,7 +94,11 @@ def fit_points(
         if error.landmarks:
             raise
         choices = error.choices if isinstance(error, FitQuestion) else ()
-        again = FitQuestion(str(error), clicks, error.names, choices) if isinstance(error, FitQuestion) else FitError(str(error), clicks, error.names)
+        again = (
+            FitQuestion(str(error), clicks, error.names, choices)
+            if isinstance(error, FitQuestion)
+            else FitError(str(error), clicks, error.names)
+        )
         raise again from None
     made_hand = made.hand.with_(sources={**hand.sources, "shape": _origin(names, concluded, own.side, scale, rule, mechanics)})
     return Fit(
@@ -173,7 +177,9 @@ def warp_to(
     goal = np.array([np.asarray(target[name], dtype=np.float64) for name in names])
     towards = likely_view(hand, view)
     towards = towards / np.linalg.norm(towards)
-    return warp_hand(hand, landmark_warp(source, goal, towards, rule=rule), overall(source, goal, towards)[0], name=name, mechanics=mechanics)
+    return warp_hand(
+        hand, landmark_warp(source, goal, towards, rule=rule), overall(source, goal, towards)[0], name=name, mechanics=mechanics
+    )
 
 
 def picture_mm(px: Array, mm_per_px: float) -> Array:

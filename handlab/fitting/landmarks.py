@@ -141,11 +141,17 @@ def read_landmarks(path: str | os.PathLike[str]) -> dict[str, tuple[float, float
             rows = rows.get("landmarks", rows)
             return {name: None if place is None else (float(place[0]), float(place[1])) for name, place in rows.items()}
         except (ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
-            raise ValueError(f'{file.name} holds no feature points ({error}); it should look like {{"tip_index": [812, 240], ...}}') from error
+            raise ValueError(
+                f'{file.name} holds no feature points ({error}); it should look like {{"tip_index": [812, 240], ...}}'
+            ) from error
     points: dict[str, tuple[float, float] | None] = {}
     for number, cells in enumerate(csv.reader(text.splitlines()), start=1):
         row = [cell.strip() for cell in cells]
-        if not any(row) or row[0].startswith("#") or (not points and [cell.lower() for cell in row[:3]][1:] in (["x", "y"], ["x_px", "y_px"])):
+        if (
+            not any(row)
+            or row[0].startswith("#")
+            or (not points and [cell.lower() for cell in row[:3]][1:] in (["x", "y"], ["x_px", "y_px"]))
+        ):
             continue
         try:
             name, x, y = row[:3]

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from handlab.anatomy.records import Array
 from handlab.fitting.alignment import Aligned
 

@@ -23,7 +23,11 @@ class FitQuestion(FitError):
     """A fit that needs an answer first: ``choices`` are the keyword arguments that answer it."""
 
     def __init__(
-        self, message: str, landmarks: Mapping[str, Any] | None = None, names: tuple[str, ...] = (), choices: tuple[dict[str, Any], ...] = ()
+        self,
+        message: str,
+        landmarks: Mapping[str, Any] | None = None,
+        names: tuple[str, ...] = (),
+        choices: tuple[dict[str, Any], ...] = (),
     ) -> None:
         super().__init__(message, landmarks, names)
         self.choices = choices

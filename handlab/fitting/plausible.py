@@ -141,10 +141,14 @@ def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned
     if not any(name.startswith(("wrist", "head")) for name in names):
         said.append("no point at the wrist: wrist and forearm follow the palm")
     if made.bones.repaired:
-        said.append(f"{', '.join(made.bones.repaired)}: too thin after the warp, rebuilt with the thickness that the size of the hand asks for")
+        said.append(
+            f"{', '.join(made.bones.repaired)}: too thin after the warp, rebuilt with the thickness that the size of the hand asks for"
+        )
     tilt = np.degrees(np.arccos(np.clip(found.frame.towards @ found.start, -1.0, 1.0)))
     if tilt > 12.0:
         said.append(f"the hand seems tilted by {tilt:.0f} degrees against the picture: heights are less certain")
     if camera_mm is None:
-        said.append("perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large")
+        said.append(
+            "perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large"
+        )
     return tuple(said)

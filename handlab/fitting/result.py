@@ -88,7 +88,9 @@ class Fit:
             return flat
         centre = self._camera_centre()
         lifted = frame.flat(self.target)
-        far = np.linalg.lstsq(np.ones((len(lifted), 1)), self._seen_from_far(clicked) - 1e3 * (lifted - middle) @ fit.matrix.T, rcond=None)[0][0]
+        far = np.linalg.lstsq(np.ones((len(lifted), 1)), self._seen_from_far(clicked) - 1e3 * (lifted - middle) @ fit.matrix.T, rcond=None)[
+            0
+        ][0]
         flat = far + 1e3 * (frame.flat(world) - middle) @ fit.matrix.T
         table = frame.height(self.hand.skin.points @ self.warped.rotation + self.warped.origin).min()
         return seen_by(flat, 1e3 * (frame.height(world) - table), centre, self.camera_mm)

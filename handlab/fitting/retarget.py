@@ -46,7 +46,9 @@ def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
     low, high = hand.limits.T
     best, least = old, np.inf
     for _ in range(ROUNDS + 1):
-        made = simulate(hand, _keys(hand, time, contraction, clip.name), seconds=float(clip.time[-1]), fps=clip.fps, hold=hold, laws=clip.laws)
+        made = simulate(
+            hand, _keys(hand, time, contraction, clip.name), seconds=float(clip.time[-1]), fps=clip.fps, hold=hold, laws=clip.laws
+        )
         missed = wanted - made.angle[frames]
         total = float(np.sum(missed[len(missed) // 3 :] ** 2))
         if total < least:

@@ -120,7 +120,10 @@ def growth(old: Hand, new: Hand, size: float) -> Growth:
         far = np.linalg.norm(before - at, axis=1)
         near = far <= max(0.010, float(np.partition(far, 40)[40]))
         if abs(axis @ along) > 0.7:  # a bone that turns about itself: its mean thickness
-            spread = [np.sqrt(np.var(points[near] - np.outer(points[near] @ a, a), axis=0).sum()) for points, a in ((before, along), (after, new_along))]
+            spread = [
+                np.sqrt(np.var(points[near] - np.outer(points[near] @ a, a), axis=0).sum())
+                for points, a in ((before, along), (after, new_along))
+            ]
         else:
             across = [np.cross(a, b) for a, b in ((axis, along), (new_axis, new_along))]
             spread = [np.std(points[near] @ a) / np.linalg.norm(a) for points, a in zip((before, after), across, strict=True)]

@@ -31,7 +31,16 @@ def test_there_are_26_names_as_the_paper_counts_them():
     assert len(NAMES) == 26
     assert len(set(SIXTEEN)) == 16
     assert set(SIXTEEN) < set(NAMES)
-    assert [sum(name.startswith(kind) for name in NAMES) for kind in ("tip", "dip", "ip_", "pip", "mcp", "web", "wrist", "head")] == [5, 4, 1, 4, 5, 4, 2, 1]
+    assert [sum(name.startswith(kind) for name in NAMES) for kind in ("tip", "dip", "ip_", "pip", "mcp", "web", "wrist", "head")] == [
+        5,
+        4,
+        1,
+        4,
+        5,
+        4,
+        2,
+        1,
+    ]
     assert all(LANDMARKS.values())
     assert set(people.hand().feature_points) == set(NAMES)
 

@@ -106,7 +106,9 @@ def test_joints_of_a_warped_hand_keep_the_rules_of_the_reference_hand(side):
     palm = made.joints["mcp3"].centre - made.joints["wrist"].centre
     assert np.degrees(np.arccos(palm[0] / np.linalg.norm(palm))) < 1e-3
     np.testing.assert_allclose(made.joints["wrist"].centre, 0.0, atol=1e-12)
-    assert np.linalg.det(np.stack([made.dofs[f"wrist.{n}"].axis for n in ("flexion_extension", "deviation")] + [np.array([1.0, 0, 0])])) != 0
+    assert (
+        np.linalg.det(np.stack([made.dofs[f"wrist.{n}"].axis for n in ("flexion_extension", "deviation")] + [np.array([1.0, 0, 0])])) != 0
+    )
 
 
 def test_nothing_moves_nothing(hand):

@@ -103,7 +103,8 @@ def test_two_targets_that_change_places_fold_the_space_between():
 
 
 @pytest.mark.parametrize(
-    ("count", "flatten", "rank"), [(26, [1, 1, 0], 2), (4, [1, 1, 0], 2), (3, [1, 1, 1], 2), (2, [1, 1, 1], 1), (9, [1, 0, 0], 1), (1, [1, 1, 1], 0)]
+    ("count", "flatten", "rank"),
+    [(26, [1, 1, 0], 2), (4, [1, 1, 0], 2), (3, [1, 1, 1], 2), (2, [1, 1, 1], 1), (9, [1, 0, 0], 1), (1, [1, 1, 1], 0)],
 )
 def test_flat_or_few_points_continue_as_a_similarity(count, flatten, rank):
     turn = Rotation.random(random_state=1).as_matrix()
@@ -131,7 +132,8 @@ def test_two_sources_at_one_place_are_named():
 
 
 @pytest.mark.parametrize(
-    ("source", "target"), [(np.zeros((0, 3)), np.zeros((0, 3))), (np.zeros((4, 2)), np.zeros((4, 2))), (np.eye(3), np.eye(4)), ([[np.nan, 0, 0]], [[0, 0, 0]])]
+    ("source", "target"),
+    [(np.zeros((0, 3)), np.zeros((0, 3))), (np.zeros((4, 2)), np.zeros((4, 2))), (np.eye(3), np.eye(4)), ([[np.nan, 0, 0]], [[0, 0, 0]])],
 )
 def test_what_is_no_set_of_points_is_refused(source, target):
     with pytest.raises(ValueError, match="must"):
