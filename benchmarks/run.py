@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mechanics
-import skin
+import skin as net
 from live import measured, started
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -104,19 +104,20 @@ def headless() -> list[Row]:
 def skeleton() -> list[Row]:
     """One step of the skeleton against MuJoCo's, and scalar tables against tensors."""
     step, motion = mechanics.measured()
-    times = {name: f"{value:.2f} µs" for name, value in step.items()}
+    micro = {name: f"{value:.2f} µs" for name, value in step.items()}
+    myohand, own, tables = step["MyoHand"] / step["tensor"], step["coupled"] / step["own"], step["tensor"] / step["table"]
     return [
-        Row("`mj_step` of MyoHand / decoupled step", step["MyoHand"] / step["tensor"], 50, "x", False, f"{times['MyoHand']} / {times['tensor']}"),
-        Row("coupled step / `mj_step` of our exported hand", step["coupled"] / step["own"], 1, "x", True, f"{times['coupled']} / {times['own']}"),
+        Row("`mj_step` of MyoHand / decoupled step", myohand, 50, "x", False, f"{micro['MyoHand']} / {micro['tensor']}"),
+        Row("coupled step / `mj_step` of our exported hand", own, 1, "x", True, f"{micro['coupled']} / {micro['own']}"),
         Row("2 s of decoupled motion", motion["tensor"], 5, "ms", True),
         Row("2 s of coupled motion", motion["coupled"], 25, "ms", True),
-        Row("step with inertia tensors / with tables", step["tensor"] / step["table"], 3, "x", True, f"nearest entry {times['nearest table']}"),
+        Row("step with inertia tensors / with tables", tables, 3, "x", True, f"tables {micro['table']}, nearest {micro['nearest table']}"),
     ]
 
 
 def soft() -> list[Row]:
     """The skin of masses and springs against its peers, and whole frames."""
-    return [Row(*row) for row in skin.rows()]
+    return [Row(*row) for row in net.rows()]
 
 
 def drawn() -> list[Row]:

@@ -20,11 +20,12 @@ from handlab.anatomy.terms import BONES, UnknownName
 
 READINGS = ("sound", "printed")
 SIDES = ("right", "left")
+PEOPLE = ("man", "child")  # hands that ship with the package, made from photographs
 WEIGHT_STEPS = 2**20  # blend weights are multiples of 1/2^20: 32 bits hold them, and rows add to exactly 1
 
 
 def load_hand(path: str | os.PathLike[str] | None = None, *, side: str | None = None, reading: str | None = None) -> Hand:
-    """Load the reference hand, or a hand saved in the folder ``path``.
+    """Load the reference hand, ``"man"`` or ``"child"``, or a hand saved in the folder ``path``.
 
     ``side``: "right" or "left"; where it is not the side of the stored hand, that is mirrored. ``reading``: "sound", or "printed":
     lever arms, rest lengths and MCP limits as printed in the paper, the straight hand as posture of rest length, hard
@@ -39,7 +40,7 @@ def load_hand(path: str | os.PathLike[str] | None = None, *, side: str | None = 
         raise ValueError(f"side is {side!r}; it must be 'right' or 'left'")
     if reading not in (None, *READINGS):
         raise ValueError(f"reading is {reading!r}; it must be one of {', '.join(READINGS)}")
-    folder = data.folder() / "reference_hand" if path is None else Path(path)
+    folder = data.folder() / "reference_hand" if path is None else data.folder() / "people" / path if path in PEOPLE else Path(path)
     if not (folder / "hand.json").is_file() or not (folder / "hand.glb").is_file():
         raise FileNotFoundError(f"{folder} holds no hand: a hand is a folder with hand.json and hand.glb")
     try:

@@ -226,7 +226,7 @@ def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Arra
     source = source_points(hand, view, names, marks)
     frame = fitting_plane(source, view)
     plane = frame.flat(source) * 1e3
-    (i, j), source_size = diameter(source * 1e3)
+    (i, j), source_size = diameter(plane)
     (k, m), target_size = diameter(picture)
     way, seen = plane[j] - plane[i], picture[m] - picture[k]
     scale = target_size / source_size

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -220,12 +221,12 @@ def _joints(p: Placed) -> dict[str, Joint]:
     return result
 
 
-def _kept(angle: float) -> float:
+def _kept(angle: Any) -> float:
     """An angle as a file keeps it: a short number of degrees."""
     return float(np.radians(round(float(np.degrees(angle)), DIGITS)))
 
 
-def _move(transform: Array, point: Array) -> Array:
+def _move(transform: Any, point: Array) -> Array:
     result: Array = transform[:3, :3] @ point + transform[:3, 3]
     return result
 

@@ -11,12 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand
+from handlab.fitting.articulation import best_turn
 from handlab.physics import rbf
 
 THINNEST = 0.70  # of the thickness that the size of the hand asks for
 SLICES = 5  # along a bone: each must be thick enough
 # More bones than this folded or thinned are not one bad bone but a bad warp (an assumption).
 MOST_REPAIRED = 6
+# A bone that is turned against the rest of the hand by more than 60 degrees, or folded over a quarter of its points, is not repaired
+# (assumptions). Carpal bones have no long axis to speak of.
+MOST_TURNED, MOST_FOLDED = 0.5, 0.25
+_SHORT = ("scaphoid", "lunate", "triquetrum", "pisiform", "trapezium", "trapezoid", "capitate", "hamate")
 
 
 class FoldedWarp(ValueError):
@@ -52,11 +57,20 @@ def sound_bones(hand: Hand, warp: rbf.Warp, size: float, *, repair: bool = True)
             failed.append(name)
     if failed and (not repair or len(failed) > MOST_REPAIRED):
         raise FoldedWarp(_reason(failed, determinant, thickness), tuple(failed))
+    whole = best_turn(*(np.concatenate(list(p.values())) for p in ({n: b.points for n, b in hand.bones.items()}, points)))
     for name in failed:
+        turned = float(_carried_axis(hand.bones[name].points, points[name]) @ whole @ long_axis_way(hand.bones[name].points))
+        folded = float(np.mean(np.linalg.det(rbf.jacobian(warp, hand.bones[name].points)) <= 0.0))
+        if name not in _SHORT and (turned < MOST_TURNED or folded > MOST_FOLDED):
+            raise FoldedWarp(_reason([name], determinant, thickness) if folded else _reversed(name), (name,))
         points[name] = rebuilt(hand.bones[name].points, points[name], size)
         if not abs(thinnest(hand.bones[name].points, points[name]) / size - 1.0) < 1.0 - THINNEST:
             raise FoldedWarp(_reason([name], determinant, thickness), (name,))
     return Checked(points, determinant, thickness, tuple(failed))
+
+
+def _reversed(name: str) -> str:
+    return f"these points would turn {name} back to front; look at the points nearby: one of them is likely misplaced or has another's name"
 
 
 def _reason(failed: list[str], determinant: Mapping[str, float], thickness: Mapping[str, float]) -> str:
@@ -74,6 +88,11 @@ def long_axis(points: Array) -> Array:
     """The direction (3,) in which a bone is longest."""
     axis: Array = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
     return axis
+
+
+def long_axis_way(points: Array) -> Array:
+    """``long_axis`` with the sense in which ``_carried_axis`` counts it: from the low to the high end."""
+    return _carried_axis(points, points)
 
 
 def thinnest(before: Array, after: Array) -> float:

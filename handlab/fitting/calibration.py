@@ -99,7 +99,7 @@ def as_scale(scale: Any, picture: NDArray[Any] | None = None) -> Scale:
         if kind == "ruler":
             if len(scale["ruler"]) != 2:
                 raise ValueError(f"the ruler has {len(scale['ruler'])} clicks; give two, such as at 0 and 20 cm")
-            return ruler(*scale["ruler"], scale.get("mm", math.nan))
+            return ruler(scale["ruler"][0], scale["ruler"][1], scale.get("mm", math.nan))
         if kind is not None:
             if picture is None:
                 raise ValueError(f"a {kind} is looked for in the picture itself; give the picture, not only its size")

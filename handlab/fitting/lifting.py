@@ -43,6 +43,12 @@ def from_far(aligned: Aligned, picture: Array, centre: Array, distance_mm: float
     return result
 
 
+def lowest(aligned: Aligned) -> float:
+    """Height (m) of the table in the lifted hand: where its lowest skin would lie, scaled as ``lift`` scales heights."""
+    middle = float(aligned.frame.height(aligned.source).mean())
+    return middle + aligned.fit.scale * (float(aligned.frame.height(aligned.hand.skin.points).min()) - middle)
+
+
 def seen_by(flat: Array, above: Array, centre: Array, distance_mm: float) -> Array:
     """The reverse of ``from_far``: where a camera at ``distance_mm`` sees places ``flat`` (N, 2) mm that lie ``above`` (N,) mm the table."""
     result: Array = centre + (flat - centre) * (distance_mm / (distance_mm - above))[:, None]

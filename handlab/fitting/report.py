@@ -121,7 +121,8 @@ def segment_lengths_mm(hand: Hand) -> dict[str, float]:
 
 def _centre(hand: Hand, frames: Mapping[str, Array], name: str, finger: str) -> Array:
     if name == "tip":
-        return hand.skin.points[hand.feature_points[f"tip_{finger}"]["palmar"]]
+        tip: Array = hand.skin.points[hand.feature_points[f"tip_{finger}"]["palmar"]]
+        return tip
     joint = hand.joints[name]
     frame = frames[joint.child] if name == "cmc1" else frames[joint.parent]
     result: Array = frame[:3, :3] @ joint.centre + frame[:3, 3]

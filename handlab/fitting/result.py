@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from handlab.anatomy.records import Array, Hand
 from handlab.fitting.alignment import Aligned
 from handlab.fitting.calibration import Scale
-from handlab.fitting.lifting import seen_by
+from handlab.fitting.lifting import lowest, seen_by
 from handlab.fitting.warp import WarpedHand
 
 if TYPE_CHECKING:
@@ -75,7 +75,8 @@ class Fit:
     def to_picture(self, points: ArrayLike) -> Array:
         """Pixels (N, 2) where points (N, 3) m of the new hand, as it is stored, lie in the picture."""
         flat = self._flat_mm(np.asarray(points, dtype=np.float64))
-        return flat * np.array([-1.0 if self.mirror else 1.0, -1.0]) / self.scale.mm_per_px
+        px: Array = flat * np.array([-1.0 if self.mirror else 1.0, -1.0]) / self.scale.mm_per_px
+        return px
 
     def _flat_mm(self, points: Array) -> Array:
         """Places (N, 2) mm, y upwards, in a picture that is not mirrored."""
@@ -92,12 +93,13 @@ class Fit:
             0
         ][0]
         flat = far + 1e3 * (frame.flat(world) - middle) @ fit.matrix.T
-        table = frame.height(self.hand.skin.points @ self.warped.rotation + self.warped.origin).min()
+        table = lowest(self.aligned)
         return seen_by(flat, 1e3 * (frame.height(world) - table), centre, self.camera_mm)
 
     def _camera_centre(self) -> Array:
         centre = self.clicks.mean(axis=0) if self.centre_px is None else self.centre_px
-        return centre * np.array([-1.0 if self.mirror else 1.0, -1.0]) * self.scale.mm_per_px
+        place: Array = centre * np.array([-1.0 if self.mirror else 1.0, -1.0]) * self.scale.mm_per_px
+        return place
 
     def _seen_from_far(self, clicked: Array) -> Array:
         from handlab.fitting.lifting import from_far

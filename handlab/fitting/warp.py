@@ -83,7 +83,7 @@ def warp_hand(
     old = np.concatenate([bone.points for bone in hand.bones.values()])
     new = np.concatenate([checked.points[bone] for bone in hand.bones])
 
-    turn, origin = hand_frame(hand, warp, old, new)
+    turn, origin = hand_frame(hand, lambda points: warp(points), old, new)
 
     def placed(points: Array) -> Array:
         result: Array = (points - origin) @ turn.T

@@ -14,7 +14,10 @@ MOST = 64  # crossings of one column
 
 
 def filled(points: Array, faces: Index, step: float) -> Array:
-    """Grid points (K, 3) with spacing ``step`` inside the closed mesh ``points`` (N, 3), ``faces`` (M, 3); the first cell touches its corner."""
+    """Grid points (K, 3) with spacing ``step`` inside the closed mesh ``points`` (N, 3), ``faces`` (M, 3).
+
+    The first cell touches the lowest corner of the mesh. Raises ``ValueError`` for a mesh that a line meets more than 64 times.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     count = np.ceil((high - low) / step).astype(np.int64) + 1
     crossing, number = np.empty((count[0], count[2], MOST)), np.zeros((count[0], count[2]), dtype=np.int64)

@@ -100,8 +100,8 @@ def collateral_energy(
 ) -> Array:
     """Energy of a deviation spring and capsule that MCP flexion tightens.
 
-    Stiffness grows by ``factor``, limits and width shrink to ``fraction``. Both torques are slopes of this one energy, that on flexion too: without it, flexing and straightening a spread finger would
-    gain energy from nothing.
+    Stiffness grows by ``factor``, limits and width shrink to ``fraction``. Both torques are slopes of this one energy, that on
+    flexion too: without it, flexing and straightening a spread finger would gain energy from nothing.
     """
     away = np.asarray(deviation, dtype=np.float64) - np.asarray(rest)
     left = between(1.0, fraction, flexion, taut_at)

@@ -51,7 +51,9 @@ def torque_balance(
         hand, moment = what, ""
         state = rest(hand) if state is None else state
     dof = flexion_of(hand, joint)
-    parts = shortened(torque_parts(hand, state, {} if contraction is None else contraction, dof, gravity=NONE if gravity is None else gravity))
+    parts = shortened(
+        torque_parts(hand, state, {} if contraction is None else contraction, dof, gravity=NONE if gravity is None else gravity)
+    )
     with wall() as figure:
         axes = figure.subplots()
         _waterfall(axes, hand, parts, dof)

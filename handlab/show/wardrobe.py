@@ -27,6 +27,7 @@ class Wardrobe:
         self.wear, self.muscles = BLEND, "both"
         self.network: Network | None = None
         self._soft: SoftSkin | None = None
+        self._silent: dict[str, tuple[Array, SoftSkin]] = {}
         self.moving = False
         if (wear, muscles) != (BLEND, "both"):
             self.choose(wear, muscles)
@@ -60,18 +61,31 @@ class Wardrobe:
 
     def points(self, angle: Array, contraction: Array, dt: float = 0.0) -> Array:
         """Skin points (N, 3) ``dt`` seconds later, when the bones have come to ``angle``; at rest after a jump."""
-        from handlab.simulation.soft_frame import begin, follow
+        from handlab.simulation.soft_frame import follow
 
         assert self.network is not None
         heard = self.heard(contraction)
         if self._soft is None:
-            self._soft = begin(self.hand, self.network, angle, heard, skin=self.wear)  # type: ignore[arg-type]
+            self._soft = self._begun(angle, heard)
         elif dt > 0.0:
             before = self._soft.position
             self._soft = follow(self.hand, self.network, self._soft, angle, heard, dt, skin=self.wear)
             self.moving = float(np.abs(self._soft.position - before).max()) > STILL_SKIN * dt
         points: Array = self._soft.points
         return points
+
+    def _begun(self, angle: Array, heard: Array) -> SoftSkin:
+        """The skin at rest. That of the last silent hand is kept: after a reset it is there at once."""
+        from handlab.simulation.soft_frame import begin
+
+        silent = not heard.any()
+        if silent and self.wear in self._silent and np.array_equal(self._silent[self.wear][0], angle):
+            return self._silent[self.wear][1]
+        assert self.network is not None
+        soft = begin(self.hand, self.network, angle, heard, skin=self.wear)  # type: ignore[arg-type]
+        if silent:
+            self._silent[self.wear] = (angle, soft)
+        return soft
 
     def heard(self, contraction: Array) -> Array:
         """What geometric muscles hear of ``contraction``."""

@@ -15,7 +15,6 @@ from handlab.simulation.kinematics import transforms, tree
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skeleton_kernel import dof_inertia
 
-
 # Without a sign: compiled loops need not ask whether an index counts from the end.
 Unsigned = NDArray[np.uint32]
 

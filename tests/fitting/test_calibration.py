@@ -61,9 +61,9 @@ def test_one_click_on_a_card_gives_the_scale_within_one_percent(degrees):
 
 def test_a_square_is_no_card_and_an_empty_ground_no_coin():
     square = drawn(lambda x, y, colour: [((np.abs(x - 400) < 80) & (np.abs(y - 300) < 80), colour)], (220, 220, 220))
-    with pytest.raises(ValueError, match="no card|not a card"):
+    with pytest.raises(ValueError, match=r"no card|not a card"):
         card(square, (400, 300))
-    with pytest.raises(ValueError, match="no coin|nothing stands out"):
+    with pytest.raises(ValueError, match=r"no coin|nothing stands out"):
         coin(drawn(lambda x, y, colour: [], (0, 0, 0)), (400, 300), 25.75)
 
 

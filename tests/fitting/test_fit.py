@@ -87,7 +87,7 @@ def test_every_landmark_is_hit_to_1e_6_mm(hand, longer, rule):
 
 def test_another_hand_comes_out_with_its_own_lengths(hand, longer):
     for names, bound in ((NAMES, 0.02), (SIXTEEN, 0.05)):
-        rows = fit_points(hand, c.clicks(longer, names=names), MM_PER_PX, view="palmar").report().lengths_mm
+        rows = fit_points(hand, c.clicks(longer, names=names), MM_PER_PX, view="palmar", marks="stored").report().lengths_mm
         from handlab.fitting.report import segment_lengths_mm
 
         truth = segment_lengths_mm(longer)

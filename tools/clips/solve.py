@@ -16,8 +16,8 @@ from tqdm import tqdm
 
 import handlab as hl
 from handlab.simulation.balance import contraction_for, settled
-from handlab.simulation.reach import QUICK, reach, turn_per_contraction
 from handlab.simulation.mechanics import mechanics
+from handlab.simulation.reach import QUICK, reach, turn_per_contraction
 from handlab.simulation.skin import blend
 from handlab.studies import measures
 

@@ -192,11 +192,9 @@ def test_a_pose_and_a_clip_that_were_saved_load_again(served, join, converse, ha
         kept = angles(page.frames[-1], hand)
         file, clip = await saved("pose"), await saved("clip")
         await page.send({"kind": "reset"})
-        await asyncio.sleep(0.3)
-        assert np.abs(angles(page.frames[-1], hand) - kept).max() > 0.3
+        await page.until(lambda: np.abs(angles(page.frames[-1], hand) - kept).max() > 0.3)
         await page.send({"kind": "load", "text": file["text"], "name": file["name"]})
-        await asyncio.sleep(0.5)
-        assert np.abs(angles(page.frames[-1], hand) - kept).max() < 0.02
+        await page.until(lambda: np.abs(angles(page.frames[-1], hand) - kept).max() < 0.02)
         page.notes.clear()
         await page.send({"kind": "load", "text": clip["text"], "name": clip["name"]})
         await page.until(lambda: any(note["kind"] == "status" and note["seconds"] > 1.0 for note in page.notes))
