@@ -24,7 +24,7 @@ TORQUE_POWER, TIME_POWER = 3, 1
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """``length`` L: fibres are so many times as long as in the tables; ``lever_arm`` (dof,): so are lever arms at each joint's own place."""
+    """``length`` L: fibres are so many times as long as in the tables; ``lever_arm`` (dof,): and lever arms at each joint."""
 
     length: float
     lever_arm: Array

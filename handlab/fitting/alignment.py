@@ -68,7 +68,7 @@ class Similarity:
 
 
 def similarity(plane: Array, picture: Array, *, mirror: bool = False) -> Similarity:
-    """The least-squares similarity from ``plane`` to ``picture`` (N, 2), corresponding points (Umeyama 1991); ``mirror``: a mirrored one."""
+    """The least-squares similarity from ``plane`` to ``picture`` (N, 2), point by point (Umeyama 1991); ``mirror``: a mirrored one."""
     a, b = plane - plane.mean(axis=0), picture - picture.mean(axis=0)
     left, size, right = np.linalg.svd(b.T @ a)
     sign = np.array([1.0, np.linalg.det(left @ right) * (-1.0 if mirror else 1.0)])
@@ -79,7 +79,7 @@ def similarity(plane: Array, picture: Array, *, mirror: bool = False) -> Similar
 
 
 def fitting_plane(points: Array, view: str) -> Frame:
-    """The plane that fits ``points`` (N, 3) best, seen from the palm or the back: centroid, and the direction of least spread (section 5.2)."""
+    """The plane that fits ``points`` (N, 3) best, seen from the palm or the back: centroid, direction of least spread (section 5.2)."""
     origin = points.mean(axis=0)
     directions = np.linalg.svd(points - origin)[2]
     sign = 1.0 if view == "palmar" else -1.0
@@ -212,8 +212,8 @@ def aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, marks
 
 
 def likely_view(hand: Hand, view: str) -> Array:
-    """From where (3,) a hand on a table is likely seen: half way between the normals of its palm (forearm and palm lie flat) and of the fitting
-    plane of all its points (thumb and finger tips lie flat too). All 26 points count, so that those left out do not tilt it."""
+    """From where (3,) a hand on a table is likely seen: half way between the normals of its palm (forearm and palm lie flat) and of
+    the fitting plane of all its points (thumb and finger tips lie flat too). All 26 points count, so that those left out do not tilt it."""
     palm = np.array([0.0, 1.0 if view == "palmar" else -1.0, 0.0])
     return palm + fitting_plane(source_points(hand, view), view).towards
 
@@ -221,7 +221,7 @@ def likely_view(hand: Hand, view: str) -> Array:
 def aligned_printed(hand: Hand, view: str, names: tuple[str, ...], picture: Array, marks: str) -> Aligned:
     """The paper's rule: fitting plane of the points at hand, the largest diameters of both sets on one line.
 
-    The paper leaves open which end comes first; of the two the one with the smaller scatter is taken. The scale is the ratio of the diameters.
+    The paper leaves open which end comes first; the one with the smaller scatter is taken. The scale is the ratio of the diameters.
     """
     source = source_points(hand, view, names, marks)
     frame = fitting_plane(source, view)

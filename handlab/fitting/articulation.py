@@ -1,8 +1,8 @@
 """Joints of a warped hand: centres and axes go where the warp takes them, angles are counted from the same straight posture.
 
 Centres are warped as points. An axis turns with the ends of the bones around it (the best rotation, not the sheared neighbourhood).
-Then the rules that made the reference hand hold again: a finger's zero is in line with its metacarpal, metacarpal 3 in line with the forearm,
-metacarpal 1 beside metacarpal 2; the axes of a joint stay athwart its bones. Of a hand that was not changed this gives the same joints.
+Then the rules that made the reference hand hold again: a finger's zero is in line with its metacarpal, metacarpal 3 in line with the
+forearm, metacarpal 1 beside metacarpal 2; the axes of a joint stay athwart its bones. A hand that was not changed keeps its joints.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ def weighed(hand: Hand, size: float = 1.0) -> Mapping[str, Body]:
 
 
 def with_masses_of(hand: Hand, other: Hand) -> Hand:
-    """``hand`` with the masses of ``other`` and inertias of its own shape: the paper takes masses from the literature, lengths from the bones."""
+    """``hand`` with the masses of ``other`` and inertias of its own shape: the paper takes masses from tables, lengths from the bones."""
     kept: dict[str, Body] = {}
     for name, body in hand.bodies.items():
         mass = other.bodies[name].mass

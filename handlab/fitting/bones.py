@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,7 +25,7 @@ MOST_TURNED, MOST_FOLDED = 0.5, 0.25
 _SHORT = ("scaphoid", "lunate", "triquetrum", "pisiform", "trapezium", "trapezoid", "capitate", "hamate")
 
 
-class FoldedWarp(ValueError):
+class FoldedWarp(ValueError):  # noqa: N818 (it says what is wrong: the warp has folded)
     """A warp that no bone survives; ``bones`` names those that fold or thin out."""
 
     def __init__(self, message: str, bones: tuple[str, ...]) -> None:
@@ -34,7 +35,7 @@ class FoldedWarp(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """``points`` of every bone after the warp; least determinant and least thickness (over the hand's size) of each bone *before* repair."""
+    """``points`` of every bone after the warp; least determinant and thickness (over the hand's size) of each bone *before* repair."""
 
     points: Mapping[str, Array]
     determinant: Mapping[str, float]
@@ -104,7 +105,7 @@ def thinnest(before: Array, after: Array) -> float:
     along = (before - before.mean(axis=0)) @ axis
     edges = np.quantile(along, np.linspace(0.0, 1.0, SLICES + 1))
     ratios = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         mine = (along >= low) & (along <= high)
         ratios.append(_narrow(after[mine], new_axis) / _narrow(before[mine], axis))
     return float(min(ratios))

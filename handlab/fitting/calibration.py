@@ -17,7 +17,8 @@ from handlab.anatomy.terms import find
 # Diameters in mm: legal dimensions of the coins.
 COINS: Mapping[str, float] = MappingProxyType(
     {
-        "1 cent": 16.25, "2 cent": 18.75, "5 cent": 21.25, "10 cent": 19.75, "20 cent": 22.25, "50 cent": 24.25, "1 euro": 23.25, "2 euro": 25.75,
+        "1 cent": 16.25, "2 cent": 18.75, "5 cent": 21.25, "10 cent": 19.75, "20 cent": 22.25, "50 cent": 24.25,
+        "1 euro": 23.25, "2 euro": 25.75,
         "US cent": 19.05, "US nickel": 21.21, "US dime": 17.91, "US quarter": 24.26,
         "1 penny": 20.3, "2 pence": 25.9, "10 pence": 24.5, "1 pound": 23.43,
         "1 franc": 23.2, "2 francs": 27.4, "5 francs": 31.45,

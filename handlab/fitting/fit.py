@@ -49,7 +49,7 @@ def fit_points(
 
     ``points_px``: name -> (x, y) in pixels, y downwards (see ``landmarks.LANDMARKS``), or a file of them; any subset that determines the
     warp, at least four. ``mm_per_px``: a number or what ``calibration.as_scale`` takes. ``view`` "palmar" or "dorsal", ``side`` "right" or
-    "left": one of the two; the other one is concluded. ``mirror``: the picture is mirrored. ``rule``: "least squares", or "printed" as in the
+    "left": one of the two, the other is concluded. ``mirror``: the picture is mirrored. ``rule``: "least squares", or "printed" as in the
     paper. ``mechanics``: "scaled" or "kept" (see ``warp_hand``). ``marks``: "exact" (joints right above their centres), "stored" (points of
     the even skin, up to 3 mm beside), or whichever fits. ``camera_mm``: distance of the camera from the table, if known: takes out
     perspective, about ``centre_px`` (the middle of the picture). ``sure``: neither sizes nor labels are questioned.
@@ -81,9 +81,9 @@ def fit_points(
                 raise ValueError(f"camera_mm is {camera_mm!r}; give the distance from camera to table in millimetres, such as 600")
             middle = px.mean(axis=0) if centre_px is None else np.asarray(centre_px, dtype=np.float64)
             middle = picture_mm(middle, scale.mm_per_px) * flip
-            for _ in range(3):
+            for _ in range(4):
                 far = from_far(found, picture, middle, camera_mm)
-                found = _aligned(own, concluded, names, far, rule, found.marks)
+                found = _aligned(own, concluded, names, far, rule, marks)
             picture = far
         lifted = lift(found, picture)
         warp = landmark_warp(found.source, lifted.target, found.frame.towards, rule=rule)
@@ -131,12 +131,15 @@ def fit_photo(
     sure: bool = False,
     **options: Any,
 ) -> Fit:
-    """A hand from a photograph: ``hl.fit_photo("me.jpg", landmarks="me.csv", scale={"ruler": [(x, y), (x, y)], "mm": 200}, view="palmar")``.
+    """A hand from a photograph.
 
-    ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``: a number of
-    millimetres per pixel, two clicks on a ruler, one on a coin or a card (see ``calibration.as_scale``). ``hand``: what is warped, the
-    reference hand if not given. ``camera_mm``: distance of the camera, "auto" from the focal length in the file where it says so, None for a
-    scanner. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels
+    ``hl.fit_photo("me.jpg", landmarks="me.csv", scale={"ruler": [(x, y), (x, y)], "mm": 200}, view="palmar")``
+
+    ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``:
+    a number of     millimetres per pixel, two clicks on a ruler, one on a coin or a card (see
+    ``calibration.as_scale``). ``hand``: what is warped, the
+    reference hand if not given. ``camera_mm``: distance of the camera, "auto" from the focal length in the file where it says so, None for
+    a scanner. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels
     ``outline`` and ``iou``. Nothing is written anywhere.
     """
     pixels: NDArray[Any] | None = None

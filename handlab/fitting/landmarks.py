@@ -11,6 +11,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -33,7 +34,7 @@ def _table() -> dict[str, str]:
     rows = {f"tip_{finger}": f"tip of the {finger}" for finger in FINGERS}
     for joint, fingers in (("dip", FINGERS[1:]), ("ip", FINGERS[:1]), ("pip", FINGERS[1:]), ("mcp", FINGERS)):
         rows |= {f"{joint}_{finger}": f"{_JOINTS[joint]} of the {finger}" for finger in fingers}
-    rows |= {f"web_{a}_{b}": f"skin between {a} and {b}" for a, b in zip(FINGERS, FINGERS[1:], strict=False)}
+    rows |= {f"web_{a}_{b}": f"skin between {a} and {b}" for a, b in pairwise(FINGERS)}
     return rows | {
         "wrist_radial": "edge of the wrist, thumb's side",
         "wrist_ulnar": "edge of the wrist, little finger's side",
@@ -110,7 +111,8 @@ def _determined(clicks: dict[str, tuple[float, float]]) -> None:
         raise FitError("there are no feature points yet; click at least 16 of the 26, the finger tips first", clicks)
     if len(clicks) < FEWEST:
         raise FitError(
-            f"{len(clicks)} feature points do not determine a hand; click at least {FEWEST}, better 16 (tips, middle joints, knuckles, wrist)",
+            f"{len(clicks)} feature points do not determine a hand; click at least {FEWEST}, "
+            "better 16 (tips, middle joints, knuckles, wrist)",
             clicks,
         )
     at, names = np.array(list(clicks.values())), list(clicks)

@@ -15,9 +15,9 @@ NEAREST_MM, FARTHEST_MM = 150.0, 5000.0
 
 
 def camera_distance_mm(picture: Any, mm_per_px: float, size: tuple[int, int]) -> float | None:
-    """Distance in mm from a picture's EXIF focal length (file or bytes) and its scale on the table; None where it does not say, or says nonsense.
+    """Distance in mm from a picture's EXIF focal length (file or bytes) and its scale on the table; None where it does not say so.
 
-    A lens of focal length f (in pixels) shows ``mm_per_px`` at the distance f * mm_per_px. A picture that was cropped gives too short a distance.
+    A lens of focal length f (in pixels) shows ``mm_per_px`` at the distance f * mm_per_px. Of a cropped picture it comes out too short.
     """
     if not isinstance(picture, str | os.PathLike | bytes):
         return None

@@ -50,6 +50,6 @@ def lowest(aligned: Aligned) -> float:
 
 
 def seen_by(flat: Array, above: Array, centre: Array, distance_mm: float) -> Array:
-    """The reverse of ``from_far``: where a camera at ``distance_mm`` sees places ``flat`` (N, 2) mm that lie ``above`` (N,) mm the table."""
+    """The reverse of ``from_far``: where a camera at ``distance_mm`` sees places ``flat`` (N, 2) mm, ``above`` (N,) mm over the table."""
     result: Array = centre + (flat - centre) * (distance_mm / (distance_mm - above))[:, None]
     return result

@@ -19,7 +19,7 @@ class FitError(ValueError):
         self.names = names
 
 
-class FitQuestion(FitError):
+class FitQuestion(FitError):  # noqa: N818 (it asks)
     """A fit that needs an answer first: ``choices`` are the keyword arguments that answer it."""
 
     def __init__(

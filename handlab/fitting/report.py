@@ -40,7 +40,7 @@ class Strength:
 class Report:
     """``lengths_mm``: segment -> (this hand, reference hand), joint centre to joint centre and on to the finger tip.
 
-    ``hand_length_mm`` (this, reference), wrist centre to tip of the middle finger; ``growth`` L; ``laws`` by name; what was concluded and warned.
+    ``hand_length_mm`` (this, reference), wrist centre to tip of the middle finger; ``growth`` L; ``laws`` by name.
     """
 
     lengths_mm: Mapping[str, tuple[float, float]]
@@ -95,7 +95,7 @@ def report(fit: Fit) -> Report:
 
 
 def laws(hand: Hand, reference: Hand, growth: float) -> Mapping[str, Strength]:
-    """How length, muscle force, greatest torque and inertia of two hands compare, against L, L^2, L^3 and L^5 of a hand of the same shape."""
+    """How length, muscle force, greatest torque and inertia of two hands compare, against L, L^2, L^3, L^5 of a hand of the same shape."""
     force = _mean_ratio(hand.max_force, reference.max_force)
     torque = _mean_ratio(_greatest_torque(hand), _greatest_torque(reference))
     straight = [np.diag(mass_matrix(one, one.zero)) for one in (hand, reference)]

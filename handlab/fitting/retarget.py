@@ -22,8 +22,8 @@ from handlab.simulation.play import simulate
 
 EVERY = 0.1  # seconds between two key frames of the new motion
 MOST = 60  # key frames
-# Thumb and finger are together below this distance (m) of their tips and apart well beyond it; how near they come again (m); how far a joint
-# may leave the old posture for it (rad). Assumptions.
+# Thumb and finger are together below this distance (m) of their tips and apart well beyond it; how near they come again (m); how far a
+# joint may leave the old posture for it (rad). Assumptions.
 TOGETHER, EXACT, LEEWAY = 0.030, 0.001, np.deg2rad(15.0)
 ROUNDS = 3
 AIM = 0.8  # of what was missed
@@ -32,8 +32,8 @@ AIM = 0.8  # of what was missed
 def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
     """Key frames for ``hand`` that do what ``clip`` does: ``hl.simulate(hand, hl.retarget(clip, hand), hold=...)``.
 
-    ``hold``: joints that were held in ``clip`` and are again. Contractions stay in [0, 1]; told to the very hand of the clip, they are those of
-    the clip. Raises ``ValueError`` for a hand with other muscles or joints.
+    ``hold``: joints that were held in ``clip`` and are again. Told to the very hand of the clip, they are those
+    of the clip. Raises ``ValueError`` for a hand with other muscles or joints.
     """
     if hand.muscle_names != clip.hand.muscle_names or hand.dof_names != clip.hand.dof_names:
         raise ValueError("the two hands have different muscles or joints; retarget between hands made from the reference hand")
@@ -60,7 +60,7 @@ def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
 
 
 def wanted_angles(old: Hand, new: Hand, angle: Array) -> Array:
-    """Angles (T, dof) on ``new`` that mean what ``angle`` (T, dof) means on ``old``: equal, but where thumb and a finger meet, they meet."""
+    """Angles (T, dof) on ``new`` that mean what ``angle`` (T, dof) means on ``old``: equal, but thumb and finger meet where they met."""
     from scipy.optimize import least_squares
 
     m = mechanics(new)

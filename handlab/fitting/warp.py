@@ -31,7 +31,7 @@ NEWTON = 8
 
 @dataclass(frozen=True, eq=False)
 class WarpedHand:
-    """``hand``, in its own frame: p = ``rotation`` (f(x) - ``origin``) of the warp ``rbf``; ``bones``: what the check of the bones found."""
+    """``hand``, in its own frame: p = ``rotation`` (f(x) - ``origin``) of the warp ``rbf``; ``bones``: what their check found."""
 
     hand: Hand
     rbf: rbf.Warp

@@ -16,7 +16,7 @@ BLOCK = 512
 
 @compiled
 def evaluate(points: Array, centre: Array, weight: Array, linear: Array, shift: Array, out: Array) -> None:
-    """out = sum_i weight_i |x - centre_i| + linear x + shift for ``points`` (M, 3); a block's coordinates in rows, so that roots run abreast."""
+    """out = sum_i weight_i |x - centre_i| + linear x + shift for ``points`` (M, 3); coordinates lie in rows, so that roots run abreast."""
     n, count = points.shape[0], centre.shape[0]
     x, y, z = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     u, v, w = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)

@@ -43,7 +43,9 @@ COLUMN, COLUMN_REACH, COLUMN_PASSES = (0.6, 1.4), 0.010, 3
 LIFT = 0.012  # m: a node follows a muscle's surface by less than this
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
-CLEARANCE, MOST_CLEARANCE = 0.7, 0.0015  # skin keeps this share of its rest distance from bone, at most so many metres
+# Skin keeps this share of its rest distance from bone, at most so many metres: 1.5 mm of skin and 1 mm of extensor tendon or capsule
+# below it, over the knuckles nothing else, are pressed together by no more than a tenth: assumption.
+CLEARANCE, MOST_CLEARANCE = 0.9, 0.0025
 NEAR_BONE = 0.015  # m: bones of the palm that come this near a node in the bind posture are asked for
 POSTURES = 300  # random ones; from 100 to 300 of them add 2 in 100 pairs
 OWN, FAR_BONE = 0.02, 0.020  # and within this reach those of bodies that have this weight in it
@@ -163,7 +165,7 @@ def guard(hand: Hand) -> Guard:
     """Nodes and triangles, and the bodies whose bones they must stay out of: what moves them, and what is near in the bind posture.
 
     Of these pairs only those stay that blending alone brings within the reach of the bones' field, 5 mm, in any of many postures, most
-    of them near limits: springs and muscles move skin along or away from bone, and a clearance is at most 1.5 mm.
+    of them near limits: springs and muscles move skin along or away from bone, and a clearance is at most 2.5 mm.
     """
     from scipy.spatial import cKDTree
 

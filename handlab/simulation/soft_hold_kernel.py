@@ -124,7 +124,7 @@ def out_of_bone(
     """
     moved = 0
     third, per = 1.0 / 3.0, 1.0 / spacing
-    safe = 2.0 * spacing  # the field rises by no more than that from a corner of a cell to any place in it, and a little
+    safe = 1.8 * spacing  # a corner of a cell is at most the root of three spacings from any place in it, and the field a distance
     since = clock[1]
     clock[0] += 1
     now = clock[0]

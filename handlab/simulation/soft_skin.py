@@ -25,7 +25,7 @@ from handlab.physics.springs import (
 )
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.skin import packed
+from handlab.simulation.skin import normals, packed
 from handlab.simulation.soft_skin_kernel import Node
 from handlab.simulation.soft_ties import Ties, ties_of
 from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, face_normals, node_areas
@@ -209,7 +209,7 @@ def _network(
     depth = np.linalg.norm(arm, axis=1)
     arm *= (np.maximum(depth, SHALLOWEST) / depth)[:, None]
     depth = np.maximum(depth, SHALLOWEST)
-    hold = column_stiffness(tissue * looseness(skin), area, depth) / 2.0
+    hold = column_stiffness(tissue * looseness(hand), area, depth) / 2.0
     pull = spring_force(points[edges[:, 0]], points[edges[:, 1]], stiffness, rest)
     taut = np.zeros_like(points)
     np.add.at(taut, edges[:, 0], pull)
@@ -252,13 +252,13 @@ def _network(
     )
 
 
-def looseness(skin: Mesh) -> Array:
+def looseness(hand: Hand) -> Array:
     """Stiffness (n,) of the tissue below every skin point as a share of that in the palm, by the side to which the skin faces at bind.
 
     Fat of the palm is held by fibrous septa between skin and aponeurosis; below the back lies loose areolar tissue. So when a
     fist stretches the skin of the back, it sinks between the metacarpal heads, and the heads stand out.
     """
-    back: Array = np.clip(-vertex_normals(skin.points, skin.faces)[:, 1], 0.0, 1.0)
+    back: Array = np.clip(-normals(hand, hand.skin.points)[:, 1], 0.0, 1.0)
     return 1.0 - (1.0 - LOOSE) * back
 
 

@@ -66,10 +66,13 @@ def test_a_side_that_the_points_contradict_is_refused(hand):
         fit_points(hand, c.clicks(hand, "palmar"), MM_PER_PX, view="palmar", side="left")
 
 
-def test_points_of_one_line_of_symmetry_ask_for_both(hand):
-    names = ("tip_middle", "dip_middle", "pip_middle", "mcp_middle", "web_index_middle", "web_middle_ring")
+def test_points_that_fit_turned_and_mirrored_alike_ask_for_both(hand):
+    """One finger, its points a little to the left and right of a line in turns."""
+    names = ("tip_middle", "dip_middle", "pip_middle", "mcp_middle", "wrist_radial")
+    along = np.linalg.norm(hand.skin.points[[hand.feature_points[name]["palmar"] for name in names]] - [0.15, 0.04, 0.0], axis=1) * 1e3
+    points = {name: (500.0 + 40.0 * (k % 2), 300.0 + c.PX_PER_MM * far) for k, (name, far) in enumerate(zip(names, along, strict=True))}
     with pytest.raises(FitQuestion, match="turned and mirrored"):
-        fit_points(hand, c.clicks(hand, names=names), MM_PER_PX, view="palmar")
+        fit_points(hand, points, MM_PER_PX, view="palmar")
 
 
 @pytest.mark.parametrize("rule", ["least squares", "printed"])
