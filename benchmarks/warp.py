@@ -42,7 +42,6 @@ def measured() -> dict[str, float]:
     def vtk() -> None:
         out = vtkPoints()
         out.SetDataTypeToDouble()
-        out.Allocate(POINTS)
         spline.TransformPoints(marks[2], out)
 
     hand = hl.load_hand()

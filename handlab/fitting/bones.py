@@ -101,7 +101,7 @@ def thinnest(before: Array, after: Array) -> float:
 
     Slices are cut along the bone; the thickness of one is the least spread of its points across the bone.
     """
-    axis, new_axis = long_axis(before), _carried_axis(before, after)
+    axis, new_axis = long_axis_way(before), _carried_axis(before, after)
     along = (before - before.mean(axis=0)) @ axis
     edges = np.quantile(along, np.linspace(0.0, 1.0, SLICES + 1))
     ratios = []
@@ -128,9 +128,7 @@ def _narrow(points: Array, axis: Array) -> float:
 
 def rebuilt(before: Array, after: Array, size: float) -> Array:
     """The bone ``before`` (N, 3) laid where ``after`` is: turned as a whole, as long as ``after``, ``size`` times as thick."""
-    axis, new_axis = long_axis(before), _carried_axis(before, after)
-    if new_axis @ (after - after.mean(axis=0)).T @ ((before - before.mean(axis=0)) @ axis) < 0.0:
-        new_axis = -new_axis
+    axis, new_axis = long_axis_way(before), _carried_axis(before, after)
     a, b = before - before.mean(axis=0), after - after.mean(axis=0)
     # turn: the axis exactly, the rest as well as it goes
     side_a, side_b = a - np.outer(a @ axis, axis), b - np.outer(b @ new_axis, new_axis)

@@ -136,7 +136,8 @@ def fit_photo(
     ``hl.fit_photo("me.jpg", landmarks="me.csv", scale={"ruler": [(x, y), (x, y)], "mm": 200}, view="palmar")``
 
     ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``:
-    a number of     millimetres per pixel, two clicks on a ruler, one on a coin or a card (see
+    a number of
+    millimetres per pixel, two clicks on a ruler, one on a coin or a card (see
     ``calibration.as_scale``). ``hand``: what is warped, the
     reference hand if not given. ``camera_mm``: distance of the camera, "auto" from the focal length in the file where it says so, None for
     a scanner. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels

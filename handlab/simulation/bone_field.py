@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.soft_hold_kernel import UNIT
 
 SPACING = 0.00125  # metres between grid points
 REACH = 0.005  # outside bone the field is cut off at this distance; inside it goes to the middle, so that every point finds its way out
@@ -20,12 +21,13 @@ SAMPLE = 0.0007  # metres between the points that stand for a surface while the 
 
 
 class BoneField(NamedTuple):
-    """Grids of all bodies b in one array: ``value[start[b] + (i * size[b, 1] + j) * size[b, 2] + k]`` m, positive outside bone.
+    """Grids of all bodies b in one array: ``value[start[b] + (i * size[b, 1] + j) * size[b, 2] + k]``, positive outside bone.
 
+    Whole micrometres (``UNIT``): a look-up waits for memory more than for arithmetic, and two bytes each stay in the cache.
     ``origin`` (b, 3) m in the bind posture, ``size`` (b, 3) points, ``start`` (b,), ``spacing`` m.
     """
 
-    value: NDArray[np.float32]
+    value: NDArray[np.int16]
     start: Index
     size: Index
     origin: Array
@@ -42,7 +44,13 @@ def bone_field(hand: Hand) -> BoneField:
         start.append(start[-1] + grid.size)
         size.append(grid.shape)
         origin.append(low)
-    return BoneField(frozen(np.concatenate(values), np.float32), frozen(start[:-1], np.int64), frozen(size, np.int64), frozen(origin), SPACING)
+    return BoneField(
+        frozen(np.rint(np.concatenate(values) / UNIT), np.int16),
+        frozen(start[:-1], np.int64),
+        frozen(size, np.int64),
+        frozen(origin),
+        SPACING,
+    )
 
 
 def _grid(bones: list[Mesh]) -> tuple[Array, Array]:

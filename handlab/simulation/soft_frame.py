@@ -136,7 +136,7 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
 
     Inverted means against the rotation of the skin's own blend, not of the anchors'.
     """
-    bound = binding(hand)
+    pairs, field, bound = guard(hand), bone_field(hand), binding(hand)
     quaternion, turn = np.empty((len(transforms), 8)), np.empty((4, position.shape[1]))
     skin_kernel.dual_quaternions(transforms, quaternion)
     kernel.turned(quaternion, bound.index, bound.weight, turn)
@@ -144,8 +144,14 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
         position,
         transforms,
         turn,
-        *guard(hand),
-        *bone_field(hand),
+        pairs.corner,
+        pairs.body,
+        pairs.clearance,
+        field.value,
+        field.start,
+        field.size,
+        field.origin,
+        field.spacing,
         network.first,
         network.second,
         LONGEST * network.longest,

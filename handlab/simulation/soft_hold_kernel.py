@@ -12,12 +12,23 @@ from handlab.physics.compiled import compiled
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Node = NDArray[np.uint32]
-Value = NDArray[np.float32]
+Value = NDArray[np.int16]
+A_LITTLE = 1.0 - 1e-6  # long edges are made a little shorter than they must be: rounding left them too long, pass after pass
+UNIT = 1e-6  # m, of the values of ``bone_field``: a constant of this module, so that kernels on disk notice when it changes
 
 
 @compiled
 def unfold(
-    position: Array, turn: Array, faces: Node, corner: Array, normal: Array, least: float, part: float, passes: int, last: Index, clock: Index
+    position: Array,
+    turn: Array,
+    faces: Node,
+    corner: Array,
+    normal: Array,
+    least: float,
+    part: float,
+    passes: int,
+    last: Index,
+    clock: Index,
 ) -> int:
     """Turn triangles back that have turned over, in place; returns how many were found, in all passes.
 
@@ -88,7 +99,7 @@ def shorten(position: Array, first: Node, second: Node, longest: Array, passes: 
             if square > longest[e] * longest[e]:
                 bad += 1
                 last[i] = last[j] = clock[0]
-                g = 0.5 * (1.0 - longest[e] / math.sqrt(square))
+                g = 0.5 * (1.0 - A_LITTLE * longest[e] / math.sqrt(square))
                 position[0, i] += g * x
                 position[1, i] += g * y
                 position[2, i] += g * z
@@ -123,7 +134,7 @@ def out_of_bone(
     Pairs come body by body. Only those are looked up of which a node has moved since the last time: ``last`` (n,), see ``limited``.
     """
     moved = 0
-    third, per = 1.0 / 3.0, 1.0 / spacing
+    third, per, to_unit = 1.0 / 3.0, 1.0 / spacing, 1.0 / UNIT
     safe = 1.8 * spacing  # a corner of a cell is at most the root of three spacings from any place in it, and the field a distance
     since = clock[1]
     clock[0] += 1
@@ -160,16 +171,16 @@ def out_of_bone(
                 continue
             iu, iv, iw = int(u), int(v), int(w)
             at = begin + (iu * ny + iv) * nz + iw
-            if value[at] > clearance[p] + safe:
+            if value[at] > to_unit * (clearance[p] + safe):
                 continue
             fu, fv, fw = u - iu, v - iv, w - iw
-            c000, c001, c010, c011 = value[at], value[at + 1], value[at + nz], value[at + nz + 1]
+            c000, c001, c010, c011 = float(value[at]), float(value[at + 1]), float(value[at + nz]), float(value[at + nz + 1])
             at += ny * nz
-            c100, c101, c110, c111 = value[at], value[at + 1], value[at + nz], value[at + nz + 1]
+            c100, c101, c110, c111 = float(value[at]), float(value[at + 1]), float(value[at + nz]), float(value[at + nz + 1])
             c00, c01 = c000 + fw * (c001 - c000), c010 + fw * (c011 - c010)
             c10, c11 = c100 + fw * (c101 - c100), c110 + fw * (c111 - c110)
             c0, c1 = c00 + fv * (c01 - c00), c10 + fv * (c11 - c10)
-            lack = clearance[p] - (c0 + fu * (c1 - c0))
+            lack = clearance[p] - UNIT * (c0 + fu * (c1 - c0))
             if lack <= 0.0:
                 continue
             moved += 1
@@ -177,7 +188,7 @@ def out_of_bone(
             gv = (1.0 - fu) * (c01 - c00) + fu * (c11 - c10)
             gw = (1.0 - fu) * ((1.0 - fv) * (c001 - c000) + fv * (c011 - c010)) + fu * ((1.0 - fv) * (c101 - c100) + fv * (c111 - c110))
             square = gu * gu + gv * gv + gw * gw
-            if square < 1e-20:
+            if square < 1e-6:
                 continue
             g = lack / math.sqrt(square)
             gu, gv, gw = g * gu, g * gv, g * gw
@@ -260,10 +271,10 @@ def nearest_bone(
             for e in range(3):
                 x = (position[e, corner[p, 0]] + position[e, corner[p, 1]] + position[e, corner[p, 2]]) / 3.0
                 u += transform[b, e, d] * (x - transform[b, e, 3])
-            iu = int(math.floor(u / spacing + 0.5))
+            iu = round(u / spacing)
             if iu < 0 or iu >= size[b, d]:
                 inside = False
                 break
             at += iu * (size[b, 1] * size[b, 2] if d == 0 else size[b, 2] if d == 1 else 1)
         if inside:
-            least[p] = min(least[p], value[at])
+            least[p] = min(least[p], UNIT * value[at])

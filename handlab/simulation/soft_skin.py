@@ -25,14 +25,13 @@ from handlab.physics.springs import (
 )
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.skin import normals, packed
+from handlab.simulation.skin import packed
 from handlab.simulation.soft_skin_kernel import Node
 from handlab.simulation.soft_ties import Ties, ties_of
 from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, face_normals, node_areas
 
 YOUNG = 100e3  # Pa, skin in tension: the order of most measurements in vivo
 TISSUE = 15e3  # Pa, fat and loose tissue below the skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
-LOOSE = 1.0 / 3.0  # share of ``TISSUE`` on the back of the hand, where it is loose and lets skin slide and be lifted in folds: assumption
 THICKNESS = 0.0015  # m, epidermis and dermis, between the back of the hand (about 1) and the palm (about 2): assumption
 DENSITY = 1100.0  # kg/m^3
 PRESTRETCH = 0.03  # skin of the resting hand is taut by this much (cut skin gapes): assumption, at the low end
@@ -209,7 +208,7 @@ def _network(
     depth = np.linalg.norm(arm, axis=1)
     arm *= (np.maximum(depth, SHALLOWEST) / depth)[:, None]
     depth = np.maximum(depth, SHALLOWEST)
-    hold = column_stiffness(tissue * looseness(hand), area, depth) / 2.0
+    hold = column_stiffness(tissue, area, depth) / 2.0
     pull = spring_force(points[edges[:, 0]], points[edges[:, 1]], stiffness, rest)
     taut = np.zeros_like(points)
     np.add.at(taut, edges[:, 0], pull)
@@ -250,16 +249,6 @@ def _network(
         young=young,
         tissue=tissue,
     )
-
-
-def looseness(hand: Hand) -> Array:
-    """Stiffness (n,) of the tissue below every skin point as a share of that in the palm, by the side to which the skin faces at bind.
-
-    Fat of the palm is held by fibrous septa between skin and aponeurosis; below the back lies loose areolar tissue. So when a
-    fist stretches the skin of the back, it sinks between the metacarpal heads, and the heads stand out.
-    """
-    back: Array = np.clip(-normals(hand, hand.skin.points)[:, 1], 0.0, 1.0)
-    return 1.0 - (1.0 - LOOSE) * back
 
 
 def pair_tensor(offset: Array, arm: Array, hold: Array) -> Array:

@@ -152,7 +152,10 @@ def test_the_bone_field_is_a_signed_distance(hand, rng):
         corners = np.ascontiguousarray(hand.bones[name].points[hand.bones[name].faces])
         points = field.origin[b] + place * field.spacing
         exact = closest(points, corners)[0] * np.where(winding(points, corners) > 0.5, -1, 1)
-        found = field.value[field.start[b] + (place[:, 0] * field.size[b, 1] + place[:, 1]) * field.size[b, 2] + place[:, 2]]
+        found = (
+            soft_hold_kernel.UNIT
+            * field.value[field.start[b] + (place[:, 0] * field.size[b, 1] + place[:, 1]) * field.size[b, 2] + place[:, 2]]
+        )
         near = np.abs(exact) < 0.002
         assert np.abs(found - exact)[near].max() < 0.0005 and np.median(np.abs(found - exact)[near]) < 0.0001
         assert (np.sign(found) == np.sign(exact))[~near].all()
@@ -168,7 +171,9 @@ def test_a_node_in_bone_is_pushed_out_to_its_clearance(hand):
     mine = (pairs.corner == node).all(axis=1) & (pairs.body == b)
     only = soft_frame.Guard(*(v[mine] for v in pairs))
     for _ in range(3):
-        soft_hold_kernel.out_of_bone(position, relative_transforms(hand, hand.bind), *only, *field, np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64))
+        soft_hold_kernel.out_of_bone(
+            position, relative_transforms(hand, hand.bind), *only, *field, np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64)
+        )
     corners = np.ascontiguousarray(bone.points[bone.faces])
     point = np.ascontiguousarray(position[:, node][None])
     assert winding(point, corners)[0] < 0.5
