@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from handlab.anatomy.load import load_hand
     from handlab.anatomy.records import Hand, Muscle
+    from handlab.fitting.fit import fit_photo, fit_points
+    from handlab.fitting.retarget import retarget
     from handlab.show.balance_plots import torque_balance
+    from handlab.show.bulge_figure import bulge_figure
     from handlab.show.curves import curves
     from handlab.show.excursion_plots import excursion_plot
     from handlab.show.force_length_plots import force_length
@@ -76,6 +79,10 @@ _HOME = {
     "sheet": "handlab.show.sheet",
     "view": "handlab.show.view",
     "MusclePanel": "handlab.show.panels",
+    "bulge_figure": "handlab.show.bulge_figure",
+    "retarget": "handlab.fitting.retarget",
+    "fit_points": "handlab.fitting.fit",
+    "fit_photo": "handlab.fitting.fit",
     "soft_skin": "handlab.simulation.soft_skin",
     "geometric_muscles": "handlab.simulation.geometric_muscle",
     "PaintPanel": "handlab.show.paint_panel",
@@ -92,9 +99,12 @@ __all__ = [
     "State",
     "__version__",
     "brand_plot",
+    "bulge_figure",
     "clips",
     "curves",
     "excursion_plot",
+    "fit_photo",
+    "fit_points",
     "force_length",
     "geometric_muscles",
     "inertia_table_errors",
@@ -105,6 +115,7 @@ __all__ = [
     "pose",
     "pull_map",
     "rest",
+    "retarget",
     "save",
     "settle",
     "sheet",

@@ -46,9 +46,7 @@ class Laws:
         for name, known in (("dynamics", DYNAMICS), ("force", FORCE), ("friction", FRICTION), ("inertia", INERTIA)):
             object.__setattr__(self, name, find(getattr(self, name), known, kind=name))
         if self.dynamics == "coupled" and (self.friction != "implicit" or self.inertia != "tensor"):
-            raise ValueError(
-                f"friction {self.friction!r} and inertia {self.inertia!r} need dynamics='decoupled'"
-            )
+            raise ValueError(f"friction {self.friction!r} and inertia {self.inertia!r} need dynamics='decoupled'")
         try:
             gravity = [float(value) for value in self.gravity]
         except (TypeError, ValueError):
