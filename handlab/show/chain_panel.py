@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 from functools import cached_property, partial
-from html import escape
 from typing import Any
 
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand
 from handlab.show.colours import BLACK, BLUE, FAINT, GREEN, IVORY, ORANGE
+from handlab.show.figure_panel import FigurePanel
 from handlab.show.figures import drawing
 from handlab.show.main_thread import OnMain
 from handlab.simulation.inertia_tables import from_tables, inertia_tables, tensor_inertia
@@ -23,12 +22,14 @@ KG_MM2 = 1e6
 TIP = 1.9  # of the way from the last joint to the centre of the last body: where the fingertip is drawn
 
 
-class ChainPanel:
+class ChainPanel(FigurePanel):
     """A finger (2 index to 5 little) with sliders for its PIP and DIP joints; ``set(pip_deg=45, dip_deg=30)`` does the same.
 
     ``inertia`` is its moment of inertia about the MCP axis (kg m^2) from the tensors, ``linear`` and ``nearest`` are what tables in
     steps of ``step_deg`` say. ``figure()`` draws the chain and the three of them over the PIP angle.
     """
+
+    hint = "panel.set(pip_deg=45)"
 
     def __init__(self, hand: Hand, finger: int = 2, *, pip_deg: float = 0.0, dip_deg: float = 0.0, step_deg: float = 5.0) -> None:
         self.hand, self.finger, self.step_deg = hand, finger, step_deg
@@ -158,14 +159,16 @@ class ChainPanel:
         self._y[:] = kept
         return straight
 
-    @cached_property
-    def widget(self) -> Any:
-        """Sliders, plot and read-out as one widget."""
+    def controls(self) -> Any:
+        """Sliders and choices."""
         import ipywidgets
 
-        parts = [ipywidgets.HBox(list(self.sliders.values())), self._picture, self._readout]
-        self._refresh()  # now that there is a picture to fill
-        return ipywidgets.VBox(parts)
+        return ipywidgets.HBox(list(self.sliders.values()))
+
+    def follow(self) -> None:
+        """Move the controls to what has been set."""
+        for slider, value in zip(self.sliders.values(), self.angles_deg, strict=True):
+            slider.value = value
 
     @cached_property
     def sliders(self) -> dict[str, Any]:
@@ -176,46 +179,8 @@ class ChainPanel:
         for name, column, value in zip(("pip_deg", "dip_deg"), self.columns[1:], self.angles_deg, strict=True):
             low, high = np.rad2deg(mechanics(self.hand).limits[column])
             slider = ipywidgets.FloatSlider(value=value, min=low, max=high, step=1.0, description=name[:3].upper(), continuous_update=False)
-            self._follow(slider, OnMain(partial(self._slid, name)))
-            made[name] = slider
+            made[name] = self.observe(slider, OnMain(partial(self._slid, name)))
         return made
-
-    @staticmethod
-    def _follow(slider: Any, move: OnMain[float]) -> None:
-        slider.observe(lambda change: move(change["new"]), "value")
 
     def _slid(self, name: str, value: float) -> None:
         self.set(**{name: value})
-
-    @cached_property
-    def _picture(self) -> Any:
-        import ipywidgets
-
-        picture = ipywidgets.Image(format="png")
-        picture.layout.max_width = "100%"
-        return picture
-
-    @cached_property
-    def _readout(self) -> Any:
-        import ipywidgets
-
-        return ipywidgets.HTML()
-
-    def _refresh(self) -> None:
-        if "_picture" not in self.__dict__:
-            return
-        from matplotlib import pyplot
-
-        figure, file = self.figure(), io.BytesIO()
-        figure.savefig(file, format="png", dpi=60)
-        pyplot.close(figure)
-        self._picture.value = file.getvalue()
-        self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())
-        for slider, value in zip(self.sliders.values(), self.angles_deg, strict=True):
-            slider.value = value
-
-    def _repr_mimebundle_(self, **how: Any) -> Any:
-        try:
-            return self.widget._repr_mimebundle_(**how)
-        except ImportError:
-            return {"text/plain": f"{self!r}\nFor sliders: pip install 'handlab[lab]'. Without them: panel.set(pip_deg=45), panel.figure()"}

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 from functools import cached_property
-from html import escape
 from typing import Any
 
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand
 from handlab.show.colours import FAINT, INK, IVORY
+from handlab.show.figure_panel import FigurePanel
 from handlab.show.figures import drawing, line
 from handlab.show.main_thread import OnMain
 from handlab.simulation.kinematics import posed_bone, relative_transforms
@@ -23,19 +22,20 @@ WAYS = ("linear", "blend", "springs")
 MEASURES = ("volume of the piece", "ink on the back", "ink on the palm side")
 
 
-class KnucklePanel:
+class KnucklePanel(FigurePanel):
     """A joint such as ``"pip2"`` in a hand that is straight otherwise, with a slider for its flexion in degrees.
 
     ``measured`` has, for every way to wear the skin, the volume of the piece around the joint and the lengths of lines of ink on the
     dorsal and palmar skin, each in percent of those of the straight finger. ``set(bend_deg=45)`` does what the slider does.
     """
 
+    hint = "panel.set(bend_deg=45)"
+
     def __init__(self, hand: Hand, joint: str = "pip2", *, bend_deg: float = 90.0) -> None:
         self.hand, self.joint = hand, joint
         self.dof = hand.dofs[f"{joint}.flexion_extension"]
         self._piece = knuckle.piece(hand, joint)
         self._ink = {side: knuckle.ink(hand, joint, side) for side in ("dorsal", "palmar")}
-        self._moving_slider = False
         self._straight = {way: self._numbers(knuckle.worn(hand, self._state(0.0), way)) for way in WAYS}
         self.set(bend_deg=bend_deg)
 
@@ -75,10 +75,6 @@ class KnucklePanel:
             for way in WAYS
         ]
         return "\n".join([f"{self.joint} bent by {self.bend_deg:.0f} degrees, in percent of the straight finger", *rows])
-
-    def __repr__(self) -> str:
-        """The read-out."""
-        return f"KnucklePanel\n{self.text()}"
 
     def _plane(self) -> tuple[Array, Array, Array]:
         """Middle (3,) of the joint, normal (3,) of the cut, and the two directions (3, 2) of the picture: distal, palmar."""
@@ -123,14 +119,13 @@ class KnucklePanel:
         axes.set(title="compared with the straight finger", xlabel="percent")
         axes.invert_yaxis()
 
-    @cached_property
-    def widget(self) -> Any:
-        """Slider, plot and read-out as one widget."""
-        import ipywidgets
+    def controls(self) -> Any:
+        """Sliders and choices."""
+        return self.slider
 
-        parts = [self.slider, self._picture, self._readout]
-        self._refresh()
-        return ipywidgets.VBox(parts)
+    def follow(self) -> None:
+        """Move the controls to what has been set."""
+        self.slider.value = self._bend_deg
 
     @cached_property
     def slider(self) -> Any:
@@ -143,41 +138,4 @@ class KnucklePanel:
         )
         slider.layout.width = "60%"
         move: OnMain[float] = OnMain(lambda value: self.set(bend_deg=value))
-        slider.observe(lambda change: None if self._moving_slider else move(change["new"]), "value")
-        return slider
-
-    @cached_property
-    def _picture(self) -> Any:
-        import ipywidgets
-
-        picture = ipywidgets.Image(format="png")
-        picture.layout.max_width = "100%"
-        return picture
-
-    @cached_property
-    def _readout(self) -> Any:
-        import ipywidgets
-
-        return ipywidgets.HTML()
-
-    def _refresh(self) -> None:
-        if "_picture" not in self.__dict__:
-            return
-        from matplotlib import pyplot
-
-        figure, file = self.figure(), io.BytesIO()
-        figure.savefig(file, format="png", dpi=60)
-        pyplot.close(figure)
-        self._picture.value = file.getvalue()
-        self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())
-        self._moving_slider = True
-        try:
-            self.slider.value = self._bend_deg
-        finally:
-            self._moving_slider = False
-
-    def _repr_mimebundle_(self, **how: Any) -> Any:
-        try:
-            return self.widget._repr_mimebundle_(**how)
-        except ImportError:
-            return {"text/plain": f"{self!r}\nFor a slider: pip install 'handlab[lab]'. Without it: panel.set(bend_deg=45), panel.figure()"}
+        return self.observe(slider, move)

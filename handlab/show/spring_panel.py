@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 from functools import cached_property
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,7 @@ import numpy as np
 from handlab.anatomy.records import Array
 from handlab.physics.springs import leapfrog, stable_step
 from handlab.show.colours import FAINT, INK, VERMILION
+from handlab.show.figure_panel import FigurePanel
 from handlab.show.figures import drawing, line
 from handlab.show.main_thread import OnMain
 
@@ -23,19 +22,20 @@ TALLEST = 1e6  # times the push: what is drawn of a chain that explodes
 CALM = 30.0  # times the push: near the limit a stable chain swings out a few times as far
 
 
-class SpringPanel:
+class SpringPanel(FigurePanel):
     """A row of ``masses`` between two walls, each of ``mass`` kg, joined by springs of ``stiffness`` N/m.
 
     They get a random push of a millimetre and swing for ``steps`` leapfrog steps of ``step_ms``. ``damping`` in 1/s.
     ``set(masses=2, step_ms=8)`` does what the sliders do; ``figure()`` is the plot.
     """
 
+    hint = "panel.set(step_ms=3)"
+
     def __init__(
         self, masses: int = 1, *, mass: float = 1e-4, stiffness: float = 2.0, step_ms: float = 1.0, damping: float = 0.0, steps: int = 400
     ) -> None:
         self.mass, self.steps, self.damping = mass, steps, 0.0
         self._masses, self._stiffness, self._step_ms = 1, stiffness, step_ms
-        self._moving_sliders = False
         self.set(masses=masses, stiffness=stiffness, step_ms=step_ms, damping=damping)
 
     def set(
@@ -100,10 +100,6 @@ class SpringPanel:
             return "\n".join([*lines, f"after {len(self.farthest) - 1} steps: exploded"])
         return "\n".join([*lines, f"after {len(self.farthest) - 1} steps: {1e3 * self.farthest[-1]:.2g} mm from rest at most"])
 
-    def __repr__(self) -> str:
-        """The read-out."""
-        return f"SpringPanel\n{self.text()}"
-
     def figure(self) -> Any:
         """Where the masses end, and how far they were from rest at every step."""
         with drawing(figsize=(15, 5.5)) as figure:
@@ -120,14 +116,15 @@ class SpringPanel:
             right.set(ylim=(min(0.05, height.min()), max(50.0, 2.0 * height.max())))
         return figure
 
-    @cached_property
-    def widget(self) -> Any:
-        """Sliders, plot and read-out as one widget."""
+    def controls(self) -> Any:
+        """Sliders and choices."""
         import ipywidgets
 
-        parts = [ipywidgets.HBox([self.masses_slider, self.step_slider]), self._picture, self._readout]
-        self._refresh()
-        return ipywidgets.VBox(parts)
+        return ipywidgets.HBox([self.masses_slider, self.step_slider])
+
+    def follow(self) -> None:
+        """Move the controls to what has been set."""
+        self.masses_slider.value, self.step_slider.value = self._masses, self._step_ms
 
     @cached_property
     def masses_slider(self) -> Any:
@@ -136,8 +133,7 @@ class SpringPanel:
 
         slider = ipywidgets.IntSlider(value=self._masses, min=1, max=MOST_MASSES, description="masses")
         move: OnMain[int] = OnMain(lambda value: self.set(masses=value))
-        slider.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
-        return slider
+        return self.observe(slider, move)
 
     @cached_property
     def step_slider(self) -> Any:
@@ -148,41 +144,4 @@ class SpringPanel:
         slider = ipywidgets.FloatSlider(value=self._step_ms, min=low, max=high, step=0.05, description="step, ms", readout_format=".2f")
         slider.layout.width = "55%"
         move: OnMain[float] = OnMain(lambda value: self.set(step_ms=value))
-        slider.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
-        return slider
-
-    @cached_property
-    def _picture(self) -> Any:
-        import ipywidgets
-
-        picture = ipywidgets.Image(format="png")
-        picture.layout.max_width = "100%"
-        return picture
-
-    @cached_property
-    def _readout(self) -> Any:
-        import ipywidgets
-
-        return ipywidgets.HTML()
-
-    def _refresh(self) -> None:
-        if "_picture" not in self.__dict__:
-            return
-        from matplotlib import pyplot
-
-        figure, file = self.figure(), io.BytesIO()
-        figure.savefig(file, format="png", dpi=60)
-        pyplot.close(figure)
-        self._picture.value = file.getvalue()
-        self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())
-        self._moving_sliders = True
-        try:
-            self.masses_slider.value, self.step_slider.value = self._masses, self._step_ms
-        finally:
-            self._moving_sliders = False
-
-    def _repr_mimebundle_(self, **how: Any) -> Any:
-        try:
-            return self.widget._repr_mimebundle_(**how)
-        except ImportError:
-            return {"text/plain": f"{self!r}\nFor sliders: pip install 'handlab[lab]'. Without them: panel.set(step_ms=3), panel.figure()"}
+        return self.observe(slider, move)

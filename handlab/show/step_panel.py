@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 from functools import cached_property
-from html import escape
 from typing import Any, get_args
 
 import numpy as np
@@ -14,6 +12,7 @@ from handlab.physics.muscle import muscle_force
 from handlab.physics.one_bone import RULES, Motion, Rule, march
 from handlab.physics.rotation import largest_step
 from handlab.show.colours import FAINT, INK
+from handlab.show.figure_panel import FigurePanel
 from handlab.show.figures import drawing, line
 from handlab.show.main_thread import OnMain
 from handlab.simulation.mechanics import moments_of_inertia
@@ -25,12 +24,14 @@ TOO_FAST = 3.0  # an overshooting step at the edge of what is stable reaches twi
 LOG_STEPS = (-1.0, 1.5)  # of the slider: 0.1 ms to 30 ms
 
 
-class StepPanel:
+class StepPanel(FigurePanel):
     """A finger held straight beyond one joint, a muscle that pulls for half of the time, and sliders for step and rule.
 
     ``dof`` the rotation, ``muscle`` what turns it with ``contraction`` (0 to 1) until ``seconds`` / 2; ``rule`` one of
     ``handlab.physics.one_bone.RULES``. ``set(step_ms=3, rule="explicit")`` does what the sliders do; ``figure()`` is the plot.
     """
+
+    hint = "panel.set(step_ms=3)"
 
     def __init__(
         self,
@@ -54,7 +55,6 @@ class StepPanel:
             raise ValueError(f"{self.muscle.abbreviation} has no lever arm at {self.dof.name!r}; choose another muscle or rotation")
         self._force, self._length = float(hand.max_force[row]), self.muscle.rest_length
         self._rule, self._step_ms = rule, step_ms
-        self._moving_sliders = False
         self.set(step_ms=step_ms, rule=rule)
 
     @property
@@ -139,15 +139,15 @@ class StepPanel:
         panel.set_ylim(low, high)
         panel.axvline(500.0 * self.seconds, color=FAINT, linewidth=1.2)
 
-    @cached_property
-    def widget(self) -> Any:
-        """Sliders, plot and read-out as one widget."""
+    def controls(self) -> Any:
+        """Sliders and choices."""
         import ipywidgets
 
-        controls = ipywidgets.HBox([self.step_slider, self.rule_choice])
-        parts = [controls, self._picture, self._readout]
-        self._refresh()  # now that there is a picture to fill
-        return ipywidgets.VBox(parts)
+        return ipywidgets.HBox([self.step_slider, self.rule_choice])
+
+    def follow(self) -> None:
+        """Move the controls to what has been set."""
+        self.step_slider.value, self.rule_choice.value = self._step_ms, self._rule
 
     @cached_property
     def step_slider(self) -> Any:
@@ -160,8 +160,7 @@ class StepPanel:
         )
         slider.layout.width = "45%"
         move: OnMain[float] = OnMain(lambda value: self.set(step_ms=value))
-        slider.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
-        return slider
+        return self.observe(slider, move)
 
     @cached_property
     def rule_choice(self) -> Any:
@@ -170,41 +169,4 @@ class StepPanel:
 
         choice = ipywidgets.ToggleButtons(options=list(get_args(Rule)), value=self._rule, style={"button_width": "6em"})
         move: OnMain[Rule] = OnMain(lambda value: self.set(rule=value))
-        choice.observe(lambda change: None if self._moving_sliders else move(change["new"]), "value")
-        return choice
-
-    @cached_property
-    def _picture(self) -> Any:
-        import ipywidgets
-
-        picture = ipywidgets.Image(format="png")
-        picture.layout.max_width = "100%"
-        return picture
-
-    @cached_property
-    def _readout(self) -> Any:
-        import ipywidgets
-
-        return ipywidgets.HTML()
-
-    def _refresh(self) -> None:
-        if "_picture" not in self.__dict__:
-            return
-        from matplotlib import pyplot
-
-        figure, file = self.figure(), io.BytesIO()
-        figure.savefig(file, format="png", dpi=60)
-        pyplot.close(figure)
-        self._picture.value = file.getvalue()
-        self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())
-        self._moving_sliders = True
-        try:
-            self.step_slider.value, self.rule_choice.value = self._step_ms, self._rule
-        finally:
-            self._moving_sliders = False
-
-    def _repr_mimebundle_(self, **how: Any) -> Any:
-        try:
-            return self.widget._repr_mimebundle_(**how)
-        except ImportError:
-            return {"text/plain": f"{self!r}\nFor sliders: pip install 'handlab[lab]'. Without them: panel.set(step_ms=3), panel.figure()"}
+        return self.observe(choice, move)

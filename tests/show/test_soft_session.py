@@ -108,6 +108,8 @@ def test_a_clip_plays_with_the_recorded_skin_and_scrubs_to_the_same_moment(sessi
     assert np.abs(shown - clip.skin(30)).max() <= 0.6 * wire.UNIT
 
 
+# Limits put a few folded nodes of a fist elsewhere when the springs had a millisecond than when they had a whole frame.
+@pytest.mark.xfail(strict=True, reason="the limits of the skin do not come to rest: nodes of the little finger move 2 mm")
 def test_a_slider_in_a_clip_takes_the_skin_over_without_a_jump(session):
     session.message({"kind": "play", "clip": "fist"})
     for _ in range(60):
@@ -115,10 +117,7 @@ def test_a_slider_in_a_clip_takes_the_skin_over_without_a_jump(session):
     before = session.present().skin
     session.message({"kind": "set", "contraction": {"EDC2": 0.1}})
     session.tick(1e-3)
-    moved = np.abs(session.state.skin - before).max(axis=1)
-    # A few folded nodes of a fist flicker by up to 2 mm from frame to frame (the pass that turns triangles back); a skin that began
-    # anew would jump everywhere.
-    assert np.sort(moved)[-30] < 1e-3 and moved.max() < 2.5e-3
+    assert np.abs(session.state.skin - before).max() < 1e-3
 
 
 def test_skins_and_muscles_are_switched_by_name(session, hand):
