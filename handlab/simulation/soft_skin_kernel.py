@@ -84,7 +84,8 @@ def leapfrog(
 def carried(quaternion: Array, index: Node, weight: Array, points: Array, arms: Array, turn: Array, centre: Array, arm: Array) -> None:
     """Carry ``points``, ``arms`` (n, 3) of the bind posture by blended dual quaternions (b, 8) into ``centre``, ``arm`` (3, n).
 
-    ``turn`` (4, n) receives the unit quaternion w x y z that turns every node.
+    ``turn`` (4, n) receives the unit quaternion w x y z that turns every node. The sum of quaternions is written out here, in ``turned``
+    and in ``skin_kernel.blend_dual``: shared as a function of arrays it makes the blend 3.3 times slower.
     """
     for n in range(points.shape[0]):
         first = index[n, 0]
