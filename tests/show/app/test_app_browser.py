@@ -84,7 +84,8 @@ def page(tab):
 
 
 def settled(page):
-    """Wait until the hand is still and drawn."""
+    """Wait until the hand wears its soft skin, is still and drawn."""
+    page.wait_for_function("handlab.status().soft")
     page.wait_for_timeout(400)
     page.wait_for_function("handlab.frame() && !handlab.frame().moving")
     page.wait_for_timeout(200)
