@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from handlab.show.bulge_figure import bulge_figure
     from handlab.show.curves import curves
     from handlab.show.excursion_plots import excursion_plot
+    from handlab.show.fit_panel import FitPanel
     from handlab.show.force_length_plots import force_length
     from handlab.show.inertia_plots import inertia_table_errors, wrist_inertia
     from handlab.show.paint_panel import PaintPanel
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from handlab.show.sheet import sheet
     from handlab.show.step_plots import step_plot
     from handlab.show.strength_plots import brand_plot, pull_map
+    from handlab.show.two_hands import two_hands
     from handlab.show.view import view
     from handlab.show.wrist_plots import wrist_plot
     from handlab.simulation.clip import Clip
@@ -80,16 +82,19 @@ _HOME = {
     "view": "handlab.show.view",
     "MusclePanel": "handlab.show.panels",
     "bulge_figure": "handlab.show.bulge_figure",
+    "two_hands": "handlab.show.two_hands",
     "retarget": "handlab.fitting.retarget",
     "fit_points": "handlab.fitting.fit",
     "fit_photo": "handlab.fitting.fit",
     "soft_skin": "handlab.simulation.soft_skin",
     "geometric_muscles": "handlab.simulation.geometric_muscle",
     "PaintPanel": "handlab.show.paint_panel",
+    "FitPanel": "handlab.show.fit_panel",
 }
 
 __all__ = [
     "Clip",
+    "FitPanel",
     "Hand",
     "KeyFrames",
     "Laws",
@@ -125,6 +130,7 @@ __all__ = [
     "step_plot",
     "to_mjcf",
     "torque_balance",
+    "two_hands",
     "view",
     "wrist_inertia",
     "wrist_plot",

@@ -16,7 +16,6 @@ from handlab.show.outfits import BLEND, SOFT
 
 if TYPE_CHECKING:
     from handlab.anatomy.records import Hand
-    from handlab.show.session import Session
     from handlab.simulation.clip import Clip
 
 PICTURES_SIZE = (1280, 720)
@@ -48,6 +47,7 @@ def run(
     port: int = PORT,
     host: str = "127.0.0.1",
     browser: bool = True,
+    hand: Path | None = None,
 ) -> None:
     """Open the live hand in the browser: move its muscles, play clips, save and export. Without a command this is what happens.
 
@@ -63,15 +63,14 @@ def run(
         Who can reach it: this computer only (127.0.0.1), or others too (0.0.0.0), with a warning.
     browser
         Open the page in the browser.
+    hand
+        Another hand: man, child, a folder, or an archive that the page "your own hand" saved. Its side and reading count.
     """
     from handlab.show.app.server import start
+    from handlab.show.fit_command import live
 
-    def load_session() -> Session:
-        from handlab.show.session import Session
-
-        return Session(load(side, reading), wear=SOFT)
-
-    start(load_session, host=host, port=checked_port(port), browser=browser, say=lambda text: print(text, flush=True))
+    tell = lambda text: print(text, flush=True)  # noqa: E731
+    start(live(hand, side, reading), host=host, port=checked_port(port), browser=browser, say=tell)
 
 
 @app.command
@@ -246,6 +245,7 @@ def info(muscle: str | None = None, /, *, side: Side = "right", reading: Reading
 
 
 app.command("handlab.show.lab:lab", name="lab")  # imported when it is asked for
+app.command("handlab.show.fit_command:fit", name="fit")
 
 
 @app.command

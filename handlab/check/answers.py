@@ -14,6 +14,7 @@ from handlab.anatomy.terms import UnknownName, find
 from handlab.check.verdict import Wrong
 
 VISIBLE_DEG = 0.5  # an assumption: a rotation below half a degree cannot be seen and counts as none
+BY_HAND = 0.02  # an answer found by trying may be off by this part
 
 
 @cache
@@ -51,6 +52,21 @@ def number(answer: Any, what: str, unit: str) -> float:
     if not np.isfinite(value):
         raise Wrong(f"{what} is {value}; it must be a finite number, in {unit}.")
     return value
+
+
+def near(answer: Any, right: float, what: str, unit: str, part: float = BY_HAND) -> bool:
+    """Whether a number is right to a part of itself."""
+    return abs(number(answer, what, unit) - right) <= part * abs(right)
+
+
+def said(right: float, others: dict[str, float], answer: Any, what: str, unit: str, part: float = BY_HAND) -> None:
+    """Raise ``Wrong`` unless a number is right; ``others`` are numbers that come of a slip, by the sentence that helps."""
+    if near(answer, right, what, unit, part):
+        return
+    for text, slip in others.items():
+        if near(answer, slip, what, unit, part):
+            raise Wrong(f"{what}: {text}")
+    raise Wrong(f"{what} is not {float(answer):.5g} {unit}.")
 
 
 def listing(names: Iterable[str]) -> str:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from handlab.check.answers import number, one
+from handlab.check.answers import number, one, said
 from handlab.check.lesson import Exercises
 from handlab.check.own_lines import compare, values
-from handlab.check.spring_nets import MASS, STIFFNESS, fewest, network, row_limit_ms, said, saving, single_limit_ms, stiff_alone
+from handlab.check.spring_nets import MASS, STIFFNESS, fewest, network, row_limit_ms, saving, single_limit_ms, stiff_alone
 from handlab.check.verdict import Open, Wrong, is_open
 from handlab.physics.springs import leapfrog, spring_force
 from handlab.simulation.soft_skin import TISSUE, YOUNG

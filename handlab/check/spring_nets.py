@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from handlab.anatomy.records import Array
-from handlab.check.answers import number, reference
-from handlab.check.verdict import Wrong
+from handlab.check.answers import reference
 from handlab.physics.springs import stable_step
 from handlab.simulation.soft_skin import TISSUE, YOUNG, Network, soft_skin
 from handlab.studies import shaking
 
 MASS, STIFFNESS = 1e-4, 2.0  # kg, N/m: of the single mass and of the row
-BY_HAND = 0.02  # an answer found by trying may be off by this part
 
 
 @cache
@@ -46,21 +43,6 @@ def row_limit_ms(masses: int, stiffness: float = STIFFNESS) -> float:
 def single_limit_ms(stiffness: float = STIFFNESS) -> float:
     """Longest step of one mass on springs of ``stiffness`` in all, milliseconds."""
     return 1e3 * stable_step(float(np.sqrt(stiffness / MASS)))
-
-
-def near(answer: Any, right: float, what: str, unit: str, part: float = BY_HAND) -> bool:
-    """Whether a number is right to a part of itself."""
-    return abs(number(answer, what, unit) - right) <= part * abs(right)
-
-
-def said(right: float, others: dict[str, float], answer: Any, what: str, unit: str, part: float = BY_HAND) -> None:
-    """Raise ``Wrong`` unless a number is right; ``others`` are numbers that come of a slip, by the sentence that helps."""
-    if near(answer, right, what, unit, part):
-        return
-    for text, slip in others.items():
-        if near(answer, slip, what, unit, part):
-            raise Wrong(f"{what}: {text}")
-    raise Wrong(f"{what} is not {float(answer):.5g} {unit}.")
 
 
 @cache

@@ -14,9 +14,9 @@ from handlab.anatomy.records import Array, Hand
 from handlab.fitting import plausible
 from handlab.fitting.alignment import Aligned, aligned, aligned_printed, conclude, likely_view
 from handlab.fitting.bones import FoldedWarp
-from handlab.fitting.calibration import Scale, as_scale
+from handlab.fitting.calibration import Scale, as_scale, confirmed
 from handlab.fitting.landmarks import MARKS, checked, source_points
-from handlab.fitting.lens import camera_distance_mm
+from handlab.fitting.lens import Camera, camera
 from handlab.fitting.lifting import from_far, lift
 from handlab.fitting.mistakes import FitError, FitQuestion
 from handlab.fitting.posing import reposed
@@ -136,12 +136,11 @@ def fit_photo(
     ``hl.fit_photo("me.jpg", landmarks="me.csv", scale={"ruler": [(x, y), (x, y)], "mm": 200}, view="palmar")``
 
     ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``:
-    a number of
-    millimetres per pixel, two clicks on a ruler, one on a coin or a card (see
-    ``calibration.as_scale``). ``hand``: what is warped, the
-    reference hand if not given. ``camera_mm``: distance of the camera, "auto" from the focal length in the file where it says so, None for
-    a scanner. All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels
-    ``outline`` and ``iou``. Nothing is written anywhere.
+    a number of millimetres per pixel, two clicks on a ruler, one on a coin or a card (see ``calibration.as_scale``). ``hand``: what is
+    warped, the reference hand if not given. ``camera_mm``: distance of the camera from the table, None for a scanner; "auto": by the focal
+    length in the file, none for a file whose dots per inch are those of a scanner, else 600 mm (see ``lens.camera``; a remark says so).
+    All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels ``outline`` and ``iou``.
+    Nothing is written anywhere.
     """
     pixels: NDArray[Any] | None = None
     if isinstance(picture, tuple):
@@ -153,16 +152,16 @@ def fit_photo(
         height, width = pixels.shape[:2]
     clicks = checked(landmarks)
     try:
-        found_scale = as_scale(scale, pixels)
+        found_scale = confirmed(as_scale(scale, pixels), picture)
     except ValueError as error:
         raise FitError(str(error), clicks) from error
     if not sure:
         plausible.require_inside(clicks, width, height)
     middle = np.array([width, height]) / 2.0 if centre_px is None else centre_px
-    distance = camera_distance_mm(picture, found_scale.mm_per_px, (width, height)) if camera_mm == "auto" else camera_mm
+    seen = camera(picture, found_scale.mm_per_px, (width, height)) if camera_mm == "auto" else Camera(camera_mm, "given")
     own = load_hand() if hand is None else hand
-    fit = fit_points(own, clicks, found_scale, camera_mm=distance, centre_px=middle, sure=sure, **options)
-    return fit.with_picture(pixels, (width, height))
+    fit = fit_points(own, clicks, found_scale, camera_mm=seen.distance_mm, centre_px=middle, sure=sure, **options)
+    return fit.with_picture(pixels, (width, height), seen.how)
 
 
 def warp_to(

@@ -11,16 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from handlab.fitting.heic import is_heic, readable
+
 Picture = NDArray[np.uint8]  # (rows, columns, 3), red, green, blue
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP")  # JPEG with several pictures in it (MPO) counts as JPEG
 KNOWN = "JPEG, PNG, HEIC, WebP, TIFF and BMP"
 MOST_PIXELS = 64_000_000  # a little more than the 50 megapixels of large phone cameras; three bytes each
 LEAST_SIDE = 64  # pixels; a hand needs a few hundred
 LONGEST_SIDE = 30_000
-FILM_DIAGONAL_MM = 43.27  # of 24 x 36 mm film, to which "focal length in 35 mm film" refers (EXIF 2.3, CIPA DC-008)
-EXIF_BLOCK, FOCAL_35, WIDTH, HEIGHT = 0x8769, 0xA405, 0xA002, 0xA003  # EXIF tags
-CROPPED = 0.02  # a picture whose sides differ by more from those in its EXIF data was cut: its focal length says nothing
-HEIC_BRANDS = (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"heif")
 
 
 def load_picture(source: str | os.PathLike[str] | bytes | NDArray[Any]) -> Picture:
@@ -39,31 +37,6 @@ def load_picture(source: str | os.PathLike[str] | bytes | NDArray[Any]) -> Pictu
     return _checked(_decoded(data, name), name)
 
 
-def camera_distance_mm(source: str | os.PathLike[str] | bytes, mm_per_px: float) -> float | None:
-    """How far the camera was from the ruler, in mm, by the focal length that telephones and cameras write into the file.
-
-    distance = (focal length / diagonal of the film) * diagonal of the picture in pixels * ``mm_per_px``. None where the file does not say
-    (scanners, pictures that were cut or saved without EXIF data). Focal lengths are whole millimetres: the distance is good to some 3 %.
-    """
-    from PIL import Image, UnidentifiedImageError
-
-    data = source if isinstance(source, bytes) else _read(Path(source))[0]
-    Image.init()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
-                block = picture.getexif().get_ifd(EXIF_BLOCK)
-                width, height = picture.size
-        focal, noted = float(block.get(FOCAL_35, 0)), (float(block.get(WIDTH, width)), float(block.get(HEIGHT, height)))
-    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, SyntaxError, ValueError, TypeError, KeyError, ZeroDivisionError):
-        return None
-    same = max(noted) > 0 and abs(min(noted) / max(noted) * max(width, height) / min(width, height) - 1.0) <= CROPPED
-    if not (np.isfinite(focal) and focal > 0.0 and same):
-        return None
-    return focal / FILM_DIAGONAL_MM * float(np.hypot(width, height)) * mm_per_px
-
-
 def _read(path: Path) -> tuple[bytes, str]:
     if path.is_dir():
         raise IsADirectoryError(f"{path} is a folder; give the picture in it")
@@ -77,8 +50,11 @@ def _decoded(data: bytes, name: str) -> Picture:
 
     Image.init()  # else the rarer formats are unknown until the first failure
     formats = list(FORMATS)
-    if data[4:8] == b"ftyp" and data[8:12] in HEIC_BRANDS:
-        _register_heic(name)
+    if is_heic(data):
+        if not readable(data):
+            raise _RefusedError(
+                f'{name} is a HEIC picture; reading it needs one more package: pip install "handlab[photo]" (or let the phone save JPEG)'
+            )
         formats.append("HEIF")
     strict, ImageFile.LOAD_TRUNCATED_IMAGES = ImageFile.LOAD_TRUNCATED_IMAGES, False  # another package may have allowed half pictures
     try:
@@ -90,10 +66,12 @@ def _decoded(data: bytes, name: str) -> Picture:
                 upright: Any = _upright(ImageOps, picture)
                 return np.asarray(_in_colour(Image, upright))
     except UnidentifiedImageError as error:
+        if is_heic(data):
+            raise ValueError(f"{name} is damaged or cut off; copy it from the telephone again") from error
         raise ValueError(f"{name} is not a picture that can be read ({KNOWN} can); open it in a viewer and save it as JPEG") from error
     except Image.DecompressionBombError as error:
         raise ValueError(_too_large(name, "far too many")) from error
-    except (OSError, SyntaxError, ValueError, EOFError, IndexError, TypeError, OverflowError) as error:
+    except (OSError, SyntaxError, ValueError, EOFError, IndexError, TypeError, OverflowError, RuntimeError) as error:
         if isinstance(error, _RefusedError):
             raise
         raise ValueError(f"{name} is damaged or cut off ({error}); copy it from the camera again") from error
@@ -115,16 +93,6 @@ def _check_size(size: tuple[int, int], name: str) -> None:
 
 def _too_large(name: str, size: str) -> str:
     return f"{name} claims {size} pixels; up to {MOST_PIXELS // 1_000_000} million can be read: make it smaller in a picture editor"
-
-
-def _register_heic(name: str) -> None:
-    try:
-        from pillow_heif import register_heif_opener  # type: ignore[import-not-found, unused-ignore]
-    except ImportError as error:
-        raise _RefusedError(
-            f"{name} is a HEIC picture; reading it needs one more package: pip install pillow-heif (or let the phone save JPEG)"
-        ) from error
-    register_heif_opener()
 
 
 def _upright(operations: Any, picture: Any) -> Any:

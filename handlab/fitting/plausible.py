@@ -25,6 +25,8 @@ BETTER, WORSE_THAN = 1.35, 0.045
 # A point is doubted so far (over the hand's length) from where the others say it should be (an assumption).
 FAR_OFF = 0.30
 
+FLAT = "perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large"
+
 
 def flat_source(hand: Hand, view: str, names: tuple[str, ...] = NAMES) -> Array:
     """Feature points (N, 2) mm in the plane that fits all of them, seen from ``view``."""
@@ -148,7 +150,15 @@ def remarks(hand: Hand, made: WarpedHand, names: tuple[str, ...], found: Aligned
     if tilt > 12.0:
         said.append(f"the hand seems tilted by {tilt:.0f} degrees against the picture: heights are less certain")
     if camera_mm is None:
-        said.append(
-            "perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large"
-        )
+        said.append(FLAT)
     return tuple(said)
+
+
+def with_camera(said: tuple[str, ...], camera_mm: float | None, how: str) -> tuple[str, ...]:
+    """Remarks with what is to be known about the camera, ``how`` as in ``lens.Camera``."""
+    if how == "assumed" and camera_mm is not None:
+        return (
+            *said,
+            f"taken by a camera {camera_mm:.0f} mm above the table, as is assumed; give camera_mm= its distance, or None for a scanner",
+        )
+    return tuple(remark for remark in said if remark != FLAT) if how.startswith("a scanner") else said

@@ -13,6 +13,7 @@ from handlab.anatomy.records import Array, Hand
 from handlab.fitting.alignment import Aligned
 from handlab.fitting.calibration import Scale
 from handlab.fitting.lifting import lowest, seen_by
+from handlab.fitting.plausible import with_camera
 from handlab.fitting.warp import WarpedHand
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ class Fit:
     """A hand from clicks. ``hand``: ready to move. ``reference``: the hand it was warped from, of the same side.
 
     ``view`` "palmar" or "dorsal"; ``names`` and ``clicks`` (N, 2) px; ``scale``; ``target`` (N, 3) m the lifted points in the frame of the
-    reference; ``aligned`` how the clicks lay on it; ``warned`` in ``warnings``; ``pixels`` and ``size`` (width, height) of the picture.
+    reference; ``aligned`` how the clicks lay on it; ``camera`` tells how its distance ``camera_mm`` is known; ``warned`` in ``warnings``;
+    ``pixels`` and ``size`` (width, height) of the picture.
     """
 
     hand: Hand
@@ -41,6 +43,7 @@ class Fit:
     target: Array = field(repr=False)
     warped: WarpedHand = field(repr=False)
     camera_mm: float | None = None
+    camera: str = "given"
     centre_px: Array | None = None
     mirror: bool = False
     warnings: tuple[str, ...] = ()
@@ -68,9 +71,9 @@ class Fit:
 
         return report(self)
 
-    def with_picture(self, pixels: NDArray[Any] | None, size: tuple[int, int]) -> Fit:
-        """The same fit with the picture at hand."""
-        return replace(self, pixels=pixels, size=size)
+    def with_picture(self, pixels: NDArray[Any] | None, size: tuple[int, int], camera: str = "given") -> Fit:
+        """The same fit with the picture at hand; ``camera``: how its distance is known."""
+        return replace(self, pixels=pixels, size=size, camera=camera, warnings=with_camera(self.warnings, self.camera_mm, camera))
 
     def to_picture(self, points: ArrayLike) -> Array:
         """Pixels (N, 2) where points (N, 3) m of the new hand, as it is stored, lie in the picture."""

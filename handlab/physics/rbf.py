@@ -6,6 +6,7 @@ out of the sum, so an affine map is returned as it is). Arrays in, arrays out; a
 
 from __future__ import annotations
 
+from threading import Thread
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-7  # of the largest spread: points thinner than this lie in one plane, on one line, or at one place
 SAME = 1e-9  # of the largest spread: points nearer than this are one point
+TWO_THREADS = 10_000  # points: from here on half the work is worth more than a thread costs
 
 
 class Warp(NamedTuple):
@@ -98,8 +100,14 @@ def warped(warp: Warp, points: ArrayLike) -> Array:
     x = np.asarray(points, dtype=np.float64)
     flat = np.ascontiguousarray(x.reshape(-1, 3))
     flat.setflags(write=False)  # kernels are compiled anew for arrays that can be written
-    out = np.empty(flat.shape)
-    evaluate(flat, *_arrays(warp), out)
+    out, arrays = np.empty(flat.shape), _arrays(warp)
+    half = len(flat) // 2 if len(flat) >= TWO_THREADS else len(flat)
+    other = Thread(target=evaluate, args=(flat[half:], *arrays, out[half:]))
+    if half < len(flat):
+        other.start()
+    evaluate(flat[:half], *arrays, out[:half])
+    if half < len(flat):
+        other.join()
     return out.reshape(x.shape)
 
 

@@ -16,6 +16,7 @@ from handlab.show import wire
 from handlab.simulation.geometric_muscle import OVERLAP, geometric_muscles
 from handlab.simulation.muscle_surface import TIP, Skeleton, skeletons, tube_faces
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.tendon_ridges import MOST_BOW, STRAIGHT, taut
 from handlab.simulation.tendons import EVEN, courses
 
 STRIDE = 2  # of all rings and points of a section, every second is drawn
@@ -34,7 +35,16 @@ def packed_layers(hand: Hand) -> bytes:
         "faces": np.concatenate([muscle_arrays["faces"], tendon_arrays.pop("tendon_faces")]).astype("<u2"),
         "tone": np.concatenate([muscle_arrays["tone"], pale]),
     }
-    head = {"overlap": OVERLAP, "tip": TIP, "round": ROUND, "half_unit": wire.HALF_UNIT, "stride": STRIDE, "even": EVEN}
+    head = {
+        "overlap": OVERLAP,
+        "tip": TIP,
+        "round": ROUND,
+        "half_unit": wire.HALF_UNIT,
+        "stride": STRIDE,
+        "even": EVEN,
+        "straight": STRAIGHT,
+        "most_bow": MOST_BOW,
+    }
     return wire.packed({"muscles": muscles, "tendons": tendons, **head}, {**muscle_arrays, **tendon_arrays, **both})
 
 
@@ -116,11 +126,17 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
         via, row, sample, over = via + vias, row + rows, sample + rows * vias, over + len(course.reach)
         first, corner = first + count, corner + mesh.size
     every = courses(hand)
+    for one in taut(hand):
+        told[one.course]["taut"] = {"muscle": one.muscle, "knuckle": one.knuckle, "reach": one.reach}
+    way = [np.zeros_like(course.nudge) for course in every]
+    for one in taut(hand):
+        way[one.course] = one.way
     return told, {
         "via_point": np.concatenate([course.point for course in every]).astype("<f4"),
         "via_body": np.concatenate([course.body for course in every]).astype("u1"),
         "spread": np.concatenate([course.spread.ravel() for course in every]).astype("<f4"),
         "nudge": np.concatenate([course.nudge for course in every]).astype("<f4"),
+        "taut_way": np.concatenate(way).astype("<f4"),
         "nudge_body": np.concatenate([course.nudged for course in every]).astype("u1"),
         "over_centre": np.concatenate([course.centre for course in every]).astype("<f4"),
         "over_axis": np.concatenate([course.axis for course in every]).astype("<f4"),

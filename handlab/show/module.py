@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-PARTS = ("flesh.js", "hand3d.js", "plots.js", "style.js", "recorded.js", "viewer.js")  # each imports only what stands before it
+PARTS = ("flesh.js", "lean.js", "hand3d.js", "plots.js", "style.js", "recorded.js", "viewer.js")  # each imports only what stands before it
 ENTRY = "viewer.js"
 OWN_IMPORT = re.compile(r'^import \{[^}]*\} from "\./[a-z0-9]+\.js";\n', flags=re.MULTILINE)
 

@@ -8,17 +8,22 @@ from typing import Any
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand
+from handlab.show.outfits import SOFT
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """``time`` s, ``skin`` (N, 3) m, ``angle`` (dof,) rad; ``contraction`` and ``force`` (muscle,) where muscles are known."""
+    """``time`` s, ``skin`` (N, 3) m, ``angle`` (dof,) rad; ``contraction`` and ``force`` (muscle,) where muscles are known.
+
+    ``raised`` (Nf,) m: how far tendons lift the fine skin, if they do.
+    """
 
     time: float
     skin: Array
     angle: Array
     contraction: Array | None = None
     force: Array | None = None
+    raised: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,17 +54,23 @@ class Story:
             mixed: Array = (1.0 - share) * np.asarray(a) + share * np.asarray(b)
             return mixed
 
-        return Moment(
-            wanted,
-            clip.skin(right) if share == 1.0 else clip.skin(left) if share == 0.0 else between(clip.skin(left), clip.skin(right)),
-            between(clip.angle[left], clip.angle[right]),
-            between(clip.contraction[left], clip.contraction[right]),
-            between(clip.force[left], clip.force[right]),
-        )
+        skin = clip.skin(right) if share == 1.0 else clip.skin(left) if share == 0.0 else between(clip.skin(left), clip.skin(right))
+        angle, contraction, force = (between(rows[left], rows[right]) for rows in (clip.angle, clip.contraction, clip.force))
+        return Moment(wanted, skin, angle, contraction, force, raised_of(clip, angle, contraction))
 
     def sample(self, count: int) -> list[Moment]:
         """``count`` moments, evenly spaced from the first to the last; one for a single state."""
         return [self.at(time) for time in (np.linspace(0.0, self.seconds, count) if self.clip is not None else [0.0])]
+
+
+def raised_of(clip: Any, angle: Array, contraction: Array) -> Array | None:
+    """How far tendons lift the fine skin (Nf,), m, in a clip whose skin is worn on springs and muscles."""
+    if clip.wear != SOFT:
+        return None
+    from handlab.simulation.tendon_ridges import ridge_heights
+    from handlab.simulation.worn import swelling_contraction
+
+    return ridge_heights(clip.hand, angle, swelling_contraction(contraction, clip.muscles))
 
 
 def story(what: Any, hand: Hand | None = None) -> Story:

@@ -15,7 +15,7 @@ from handlab.anatomy.terms import find
 from handlab.physics.muscle import muscle_force
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story, story
-from handlab.show.outfits import BLEND
+from handlab.show.outfits import BLEND, SOFT
 from handlab.show.wardrobe import Wardrobe
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames, clips, keyframes
@@ -80,9 +80,11 @@ class MovingHand:
     def prepare(self) -> None:
         """Make the soft skin ready: a second or two, on any thread. Call ``ready`` afterwards, where ``tick`` is called."""
         from handlab.show.flesh import packed_layers
+        from handlab.simulation.tendon_ridges import ridge_points
 
         self.wardrobe.prepare()
         packed_layers(self.hand)
+        ridge_points(self.hand)
 
     def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
         """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""
@@ -135,12 +137,19 @@ class MovingHand:
             seconds=0.0 if self.clip is None else self._seconds,
             skin=skin,
             segments=self._segments(angle, contraction) if self.segments else None,
+            ridges=self._ridges(angle, contraction) if self._worn["wear"] == SOFT else None,
         )
 
     def _segments(self, angle: Array, contraction: Array) -> Any:
         from handlab.simulation.geometric_muscle import ellipsoids
 
         return ellipsoids(self.hand, angle, self.wardrobe.heard(contraction))
+
+    def _ridges(self, angle: Array, contraction: Array) -> tuple[Any, Array]:
+        from handlab.simulation.tendon_ridges import ridge_heights, ridge_points
+
+        points = ridge_points(self.hand)
+        return points, ridge_heights(self.hand, angle, self.wardrobe.heard(contraction))[points]
 
     @property
     def _seconds(self) -> float:

@@ -80,7 +80,7 @@ class MuscleLayer:
             for g, mesh, normals in self._drawn:
                 _move(mesh, points[g], normals)
         if self._tubes:
-            tubes = tendons(self.hand, angle)
+            tubes = tendons(self.hand, angle, contraction)
             for k, mesh, normals in self._tubes:
                 _move(mesh, tube_points(tubes[k]), normals)
 

@@ -15,9 +15,11 @@ import numpy as np
 from handlab.show import keepsakes, wire
 from handlab.show.flesh import packed_layers
 from handlab.show.module import viewer_module
-from handlab.show.moments import Story
+from handlab.show.moments import Story, raised_of
+from handlab.show.outfits import SOFT
 from handlab.simulation.geometric_muscle import ellipsoids
 from handlab.simulation.skin import blend
+from handlab.simulation.tendon_ridges import ridge_points
 from handlab.simulation.writing import write_text
 
 FPS = 30.0
@@ -69,6 +71,10 @@ def frames(story: Story, fps: float, count: int, *, soft: bool = False, layers: 
         if layers:
             heard = np.zeros_like(contraction) if story.clip is not None and story.clip.muscles == "pseudo" else contraction
             moment["segments"] = ellipsoids(hand, angle, heard)
+        if soft and story.clip is not None and story.clip.wear == SOFT:
+            points = ridge_points(hand)
+            lifted = raised_of(story.clip, angle, contraction)
+            moment["ridges"] = points, np.zeros(len(points)) if lifted is None else lifted[points]
         packed.append(wire.frame(hand, angle, **moment, flags=wire.CLIP, seconds=story.seconds, skin=skin if soft else None))
     return b"".join(packed)
 

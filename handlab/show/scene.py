@@ -38,6 +38,7 @@ class Scene:
     ``view``: one of ``views.DIRECTIONS``; ``size``: width and height in pixels.
     ``quality``: ``"live"`` is fastest; ``"film"`` draws at twice the resolution and averages down, for smooth outlines; ``"still"``
     adds ambient occlusion, the soft dark where surfaces meet, and sorts translucent layers by depth.
+    ``light``: ``"studio"``, or ``"raking"``, low from one side, in which small relief shows.
 
     Actors: ``skin``, ``skin far side``, ``skin near side`` one per bone, by its name; ``muscle NAME`` (live: ``muscle bellies``),
     ``tendon NAME``.
@@ -53,8 +54,10 @@ class Scene:
         view: str = "palm",
         size: tuple[int, int] = (800, 600),
         quality: Quality = "live",
+        light: str = "studio",
     ) -> None:
         self.hand = hand
+        self._light = light
         under = tuple(layers)
         self.size = size
         self._quality = quality
@@ -94,7 +97,7 @@ class Scene:
         )
         # Not through smooth_shading=True: that copies the mesh, and points could no longer be replaced in place.
         actor.prop.interpolation = "Phong"
-        look.paint(actor, material, density)
+        look.paint(actor, material, density, self._light)
         return actor
 
     def _add_bones(self) -> dict[str, Any]:
@@ -175,7 +178,7 @@ class Scene:
 
     def pose(self, moment: Moment) -> None:
         """Replace the points of the skin and the matrices of the bones in place."""
-        points = fine_points(self.hand, moment.skin)
+        points = fine_points(self.hand, moment.skin, moment.raised)
         self._surface.points[:] = points
         self._surface.point_data["Normals"][:] = self._normals.of(points)
         self._surface.GetPoints().Modified()

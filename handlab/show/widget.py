@@ -67,7 +67,8 @@ class HandView:
     """A live hand in a notebook: ``view.set(FDP2=0.4)``, ``view.play("fist")``, ``view.show(state)``; ``view.widget`` is the widget.
 
     ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: how the skin is worn and which muscles
-    contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``options`` of the
+    contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``tones`` (Nf, 3):
+    colours of the fine skin; ``options`` of the
     viewer: ``skin``, ``bones``, ``view``, ``layers`` (``["muscles", "tendons"]``), ``panels`` (false: the hand only).
     """
 
@@ -81,10 +82,11 @@ class HandView:
         muscles: str = "both",
         height: int = 680,
         skin_points: bool = False,
+        tones: Any = None,
         **options: Any,
     ) -> None:
         self.hand = hand
-        self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points)
+        self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points, tones=tones)
         self._preparing: threading.Thread | None = None
         self._lock = threading.RLock()
         self._before: float | None = None

@@ -6,7 +6,7 @@ says ``{name: [dtype, shape, byte offset in the block]}``; the rest of the text 
 Frame: words of four bytes.
 
 ====================  ==============================================================================================
-0                     uint32 kind: 1 = bodies, + 2 = points of the skin, + 4 = segments of the geometric muscles
+0                     uint32 kind: 1 = bodies, + 2 = points of the skin, + 4 = segments of the geometric muscles, + 8 = ridges of tendons
 1                     uint32 flags: 1 = something moves, 2 = a clip plays, 4 = a clip is loaded
 2                     uint32 echo: number of the newest message that this frame answers
 3                     float32 time: of the clip, or of the live hand, seconds
@@ -14,6 +14,7 @@ Frame: words of four bytes.
 5 ...                 float32 contraction (42), angle (31) rad, fibre_length (42) m, force (42) N,
                       transforms (19, 3, 4) that move the stored meshes
 kind 2                int16 skin points (N, 3) in ``UNIT``, padded to four bytes
+kind 8                uint32 count, uint16 fine points (count), padded, uint8 how far they are lifted (count) in ``LIFT_UNIT``, padded
 kind 4                int16 for every segment: centre (3) in ``UNIT``, quaternion w x y z (4) in 1 / 32767, half-axes (3) in
                       ``HALF_UNIT``
 ====================  ==============================================================================================
@@ -38,8 +39,9 @@ from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import binding
 
-BODIES, SKIN, SEGMENTS = 1, 2, 4
+BODIES, SKIN, SEGMENTS, RIDGES = 1, 2, 4, 8
 UNIT, HALF_UNIT = 1e-5, 1e-6  # m: a hand reaches less than 32 cm from its wrist, a muscle is less than 6 cm thick
+LIFT_UNIT = 2e-5  # m: no tendon lifts the skin by 5 mm
 MOVING, PLAYING, CLIP = 1, 2, 4
 HEAD_WORDS = 5
 
@@ -165,10 +167,14 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     return struct.pack("<I", len(text)) + text + bytes(block)
 
 
-def scene(hand: Hand, *, shown_clips: Iterable[Mapping[str, Any]] | None = None, **more: Any) -> bytes:
-    """Everything about a hand that stays; ``more`` joins the text (such as ``exports``, the formats that the host writes)."""
+def scene(hand: Hand, *, shown_clips: Iterable[Mapping[str, Any]] | None = None, tones: Any = None, **more: Any) -> bytes:
+    """Everything about a hand that stays; ``more`` joins the text (such as ``exports``, the formats that the host writes).
+
+    ``tones`` (Nf, 3): colours of the fine skin, 0 to 255, in place of the complexion.
+    """
     listed = named_clips() if shown_clips is None else list(shown_clips)
-    return packed({**describe(hand), "clips": listed, **more}, meshes(hand))
+    arrays = meshes(hand) if tones is None else {**meshes(hand), "fine_tone": np.asarray(tones, dtype=np.uint8)}
+    return packed({**describe(hand), "clips": listed, **more}, arrays)
 
 
 def frame(
@@ -184,8 +190,12 @@ def frame(
     seconds: float = 0.0,
     skin: Array | None = None,
     segments: Ellipsoids | None = None,
+    ridges: tuple[Any, Array] | None = None,
 ) -> bytes:
-    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them. ``segments`` of the muscles if they are seen."""
+    """One moment. With ``skin`` (N, 3) the points travel; without, the viewer blends them. ``segments`` of the muscles if they are seen.
+
+    ``ridges``: points of the fine skin, and how far in metres tendons lift them.
+    """
     parts = [
         np.array([time, seconds]),
         contraction,
@@ -194,11 +204,13 @@ def frame(
         force,
         relative_transforms(hand, angle)[:, :3].ravel(),
     ]
-    kind = BODIES | SKIN * (skin is not None) | SEGMENTS * (segments is not None)
+    kind = BODIES | SKIN * (skin is not None) | SEGMENTS * (segments is not None) | RIDGES * (ridges is not None)
     text = struct.pack("<III", kind, flags, echo & 0xFFFFFFFF) + np.concatenate(parts).astype("<f4").tobytes()
     if skin is not None:
-        text += whole(skin / UNIT)
-        text += b"\0" * (-len(text) % 4)
+        text += filled(whole(skin / UNIT))
+    if ridges is not None:
+        lifted = np.clip(np.rint(ridges[1] / LIFT_UNIT), 0, 255).astype("u1").tobytes()
+        text += struct.pack("<I", len(ridges[0])) + filled(ridges[0].astype("<u2").tobytes()) + filled(lifted)
     if segments is not None:
         table = [segments.centre / UNIT, 32767 * quaternions(segments.frame), segments.half / HALF_UNIT]
         text += whole(np.concatenate(table, axis=1))
@@ -208,6 +220,11 @@ def frame(
 def whole(values: Array) -> bytes:
     """Numbers rounded to int16; what does not fit stays at the end of the range."""
     return np.clip(np.rint(values), -32767, 32767).astype("<i2").tobytes()
+
+
+def filled(text: bytes) -> bytes:
+    """Bytes to a whole number of words."""
+    return text + b"\0" * (-len(text) % 4)
 
 
 def quaternions(frame: Array) -> Array:

@@ -78,12 +78,16 @@ def normals(hand: Hand, skin_points: ArrayLike) -> Array:
     return out
 
 
-def fine_points(hand: Hand, skin_points: ArrayLike) -> Array:
-    """Points (Nf, 3) of the detailed skin on an even skin (N, 3): sum_i barycentric_i (p_i + height n_i)."""
+def fine_points(hand: Hand, skin_points: ArrayLike, raised: Array | None = None) -> Array:
+    """Points (Nf, 3) of the detailed skin on an even skin (N, 3): sum_i barycentric_i (p_i + height n_i).
+
+    ``raised`` (Nf,) m is added to the heights: ridges of tendons.
+    """
     points = skin_array(hand, skin_points)
     fine = hand.skin_fine
     out = np.empty_like(fine.points)
-    kernel.bound_points(points, normals(hand, points), binding(hand).corners, fine.barycentric, fine.height, out)
+    height = fine.height if raised is None else frozen(fine.height + raised)
+    kernel.bound_points(points, normals(hand, points), binding(hand).corners, fine.barycentric, height, out)
     return out
 
 

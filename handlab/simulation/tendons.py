@@ -58,16 +58,27 @@ class Course:
     reach: Array
 
 
-def tendons(hand: Hand, angle: ArrayLike) -> tuple[Tube, ...]:
-    """All extrinsic tendons at ``angle`` (dof,) rad, the same number of points in every pose. A picture: no force comes from it."""
-    moved = relative_transforms(hand, angle)
-    return tuple(Tube(course.name, course.muscle, _line(course, moved), course.radius) for course in courses(hand))
+def tendons(hand: Hand, angle: ArrayLike, contraction: ArrayLike | None = None) -> tuple[Tube, ...]:
+    """All extrinsic tendons at ``angle`` (dof,) rad, the same number of points in every pose. A picture: no force comes from it.
+
+    Muscles that pull, at ``contraction`` (muscle,), straighten those of the back of the hand (see ``tendon_ridges``).
+    """
+    moved, off = relative_transforms(hand, angle), [course.nudge for course in courses(hand)]
+    if contraction is not None:
+        from handlab.simulation.tendon_ridges import pulled, taut
+
+        for one, bow in zip(taut(hand), pulled(hand, angle, contraction)[1], strict=True):
+            off[one.course] = off[one.course] + bow * one.way
+    return tuple(
+        Tube(course.name, course.muscle, _line(course, moved, nudge), course.radius)
+        for course, nudge in zip(courses(hand), off, strict=True)
+    )
 
 
-def _line(course: Course, moved: Array) -> Array:
+def _line(course: Course, moved: Array, nudge: Array) -> Array:
     carried = moved[course.body]
     line: Array = course.spread @ (np.einsum("vij,vj->vi", carried[:, :3, :3], course.point) + carried[:, :3, 3])
-    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], course.nudge)
+    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], nudge)
     under = moved[course.carrier]
     centre = np.einsum("jab,jb->ja", under[:, :3, :3], course.centre) + under[:, :3, 3]
     axis = np.einsum("jab,jb->ja", under[:, :3, :3], course.axis)

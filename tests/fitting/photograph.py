@@ -38,7 +38,9 @@ class Photograph:
         return tuple(map(tuple, self.ruler + noise * rng.standard_normal((2, 2))))
 
 
-def photograph(person, *, camera="pinhole", view="palmar", turn=0.0, ground="dark", left=False, ruler_height=0.0, seed=0):
+def photograph(
+    person, *, camera="pinhole", view="palmar", turn=0.0, ground="dark", left=False, ruler_height=0.0, seed=0, distance=DISTANCE
+):
     """The hand lies on the table (flatbed: on the glass) with the other side down; ``turn`` (rad) in the picture, counter-clockwise."""
     rng = np.random.default_rng(seed)
     mirror = np.array([1.0, 1.0, -1.0 if left else 1.0])
@@ -58,7 +60,7 @@ def photograph(person, *, camera="pinhole", view="palmar", turn=0.0, ground="dar
     def project(plane, level):
         centred = plane - middle
         if camera == "pinhole":
-            centred = centred * (DISTANCE / (DISTANCE - (level - table)))[..., None]
+            centred = centred * (distance / (distance - (level - table)))[..., None]
         return centred * 1e3 * PX_PER_MM * [1.0, -1.0]
 
     seen, ruler = project(flat, height), project(ends, np.full(2, table + ruler_height))

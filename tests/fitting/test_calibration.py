@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from handlab.fitting.calibration import CARD_MM, COINS, Scale, as_scale, card, coin, ruler
-from handlab.fitting.lens import camera_distance_mm
 
 SIZE = (600, 800)
 FINE = 4
@@ -93,19 +92,3 @@ def test_scales_are_taken_in_every_form():
     assert COINS["1 euro"] == 23.25
     with pytest.raises(KeyError, match="2 euro"):
         coin(np.zeros((100, 100, 3), np.uint8), (50, 50), "2 euros")
-
-
-def test_the_focal_length_in_a_picture_tells_the_distance_of_the_camera(tmp_path):
-    from PIL import Image
-
-    picture = Image.new("RGB", (4000, 3000), (90, 90, 90))
-    exif = picture.getexif()
-    exif.get_ifd(0x8769)[0xA405] = 26
-    picture.save(tmp_path / "phone.jpg", exif=exif)
-    # 26 mm on 43.27 mm of diagonal, 5000 px of diagonal: f = 3004 px; 0.15 mm per px: 451 mm
-    assert camera_distance_mm(tmp_path / "phone.jpg", 0.15, (4000, 3000)) == pytest.approx(450.7, abs=0.5)
-    picture.save(tmp_path / "scan.png")
-    assert camera_distance_mm(tmp_path / "scan.png", 0.15, (4000, 3000)) is None
-    assert camera_distance_mm(tmp_path / "none.jpg", 0.15, (4000, 3000)) is None
-    assert camera_distance_mm(b"no picture", 0.15, (10, 10)) is None
-    assert camera_distance_mm((4000, 3000), 0.15, (4000, 3000)) is None

@@ -183,12 +183,12 @@ def test_the_fine_skin_sits_on_the_new_even_skin(hand, longer):
 def test_a_picture_gives_outline_and_overlap(hand):
     shape = (2700, 2700)
     points = c.clicks(hand, turn=0.0)
-    fit = fit_photo((shape[1], shape[0]), landmarks=points, scale=MM_PER_PX, view="palmar", sure=True)
+    fit = fit_photo((shape[1], shape[0]), landmarks=points, scale=MM_PER_PX, view="palmar", sure=True, camera_mm=None)
     from handlab.fitting.outline import silhouette
 
     mask = silhouette(fit.to_picture(hand.skin_fine.points), hand.skin_fine.faces, shape)
     pixels = np.where(mask[:, :, None], np.uint8([200, 150, 120]), np.uint8([20, 24, 28]))
-    again = fit_photo(pixels, landmarks=points, scale=MM_PER_PX, view="palmar")
+    again = fit_photo(pixels, landmarks=points, scale=MM_PER_PX, view="palmar", camera_mm=None)
     assert again.iou > 0.98
     assert len(again.outline) > 500
     assert again.outline[:, 1].max() < shape[0] + 200

@@ -1,4 +1,4 @@
-"""The photo path on people whose hands are known, and on two real pictures.
+"""The photo path on people whose hands are known and who were never looked at while it was made, and on two real pictures.
 
 Truth is the shape data's own PIP, DIP and tip marks with CMC and MCP by the rule of the reference hand, and its own skin: nothing that
 handlab has warped. Pictures are computed, written as files, read back and fitted with a noise of 1 px in every click.
@@ -18,71 +18,77 @@ from PIL import Image
 
 from handlab.fitting.fit import fit_photo, warp_to
 from handlab.fitting.landmarks import SIXTEEN
-from handlab.fitting.pictures import camera_distance_mm
 
-PEOPLE = ("woman", "woman_long_fingers", "woman_short_thick_fingers", "woman_slender", "woman_large", "woman_old", "man",
-          "man_long_fingers", "man_broad", "man_small", "man_narrow", "girl", "girl_thin_fingers", "boy", "small_child")  # fmt: skip
-WAYS = (("pinhole", "palmar"), ("pinhole", "dorsal"), ("flatbed", "palmar"))
+PEOPLE = tuple(f"{kind}_{number}" for kind in ("woman", "man", "child", "mixture") for number in range(1, 5))
+# camera, view, what the file tells of it: the focal length of a camera 60 cm away, a scanner's dots per inch, or nothing at all
+TOLD = (("pinhole", "palmar", "told"), ("pinhole", "dorsal", "told"), ("flatbed", "palmar", "told"), ("flatbed", "dorsal", "told"))
+UNTOLD = ("pinhole", "palmar", "untold")
 GROUNDS = ("dark", "light", "green")
 PHOTOS = os.environ.get("HANDLAB_PHOTOS")
 ANNOTATED = Path(__file__).parents[1] / "data" / "photographs.json"
 
 
-def taken(person, camera, view, seed, left=False):
-    """The picture as a file, as a camera writes it (the pinhole camera notes its focal length), and what is true of it."""
+def everyone():
+    return people.everyone(people.FRESH)
+
+
+def taken(person, camera, view, told, seed, left=False):
+    """The picture as a file, as a camera or a scanner writes it, and what is true of it. Untold: from 45 cm to 1 m."""
+    distance = photograph.DISTANCE if told == "told" else np.random.default_rng([2026, seed]).uniform(0.45, 1.0)
     picture = photograph.photograph(
-        person, camera=camera, view=view, left=left, turn=0.3 * (seed % 5 - 2), ground=GROUNDS[seed % 3], seed=seed
+        person, camera=camera, view=view, left=left, turn=0.3 * (seed % 5 - 2), ground=GROUNDS[seed % 3], seed=seed, distance=distance
     )
-    data = Image.Exif()
-    if camera == "pinhole":
+    notes = {}
+    if told == "told" and camera == "pinhole":
+        notes["exif"] = Image.Exif()
         diagonal = np.hypot(*picture.pixels.shape[:2])
-        data.get_ifd(0x8769)[0xA405] = round(photograph.DISTANCE * 1e3 * photograph.PX_PER_MM * 43.27 / diagonal)
+        notes["exif"].get_ifd(0x8769)[0xA405] = round(distance * 1e3 * photograph.PX_PER_MM * 43.27 / diagonal)
+    elif told == "told":
+        notes["dpi"] = (round(25.4 * photograph.PX_PER_MM),) * 2
     stream = io.BytesIO()
-    Image.fromarray(picture.pixels).save(stream, format="JPEG", quality=92, exif=data)
+    Image.fromarray(picture.pixels).save(stream, format="JPEG", quality=92, **notes)
     return stream.getvalue(), picture
 
 
-def fitted(name, camera, view, points=26, left=False):
+def fitted(name, camera, view, told, points=26, left=False):
     """The whole path from the file: scale by two clicks on the ruler, distance by the file, clicks with 1 px of noise."""
     seed = PEOPLE.index(name)
-    person = people.everyone()[name]
-    data, picture = taken(person, camera, view, seed, left)
+    data, picture = taken(everyone()[name], camera, view, told, seed, left)
     rng = np.random.default_rng(seed)
-    ruler = picture.ruler_clicks(rng)
-    scale = {"ruler": ruler, "mm": photograph.RULER_MM}
-    distance = camera_distance_mm(data, photograph.RULER_MM / float(np.hypot(*np.subtract(*ruler))))
+    scale = {"ruler": picture.ruler_clicks(rng), "mm": photograph.RULER_MM}
     clicks = picture.clicks(rng, names=None if points == 26 else SIXTEEN)
-    return fit_photo(data, landmarks=clicks, scale=scale, view=view, **({} if distance is None else {"camera_mm": distance}))
+    return fit_photo(data, landmarks=clicks, scale=scale, view=view)
 
 
 @cache
-def measured(name, camera, view, points=26):
-    """Mean bone error (mm), skin error (mm), skin error of the same warp with the true places in space, and the outline's overlap."""
-    person = people.everyone()[name]
-    fit = fitted(name, camera, view, points)
+def with_true_places(name, view):
+    """Skin error (mm) of the same warp with the true places of all points in space."""
+    person = everyone()[name]
+    return people.skin_error_mm(warp_to(people.hand(), person.marks[view], view=view).hand.skin_fine.points, person)
+
+
+@cache
+def measured(name, camera, view, told, points=26):
+    """Mean bone error (mm), skin error (mm), that of the same warp with the true places in space, and the outline's overlap."""
+    person = everyone()[name]
+    fit = fitted(name, camera, view, told, points)
     lengths = people.hand_lengths_mm(fit.hand)
     bones = float(np.mean([abs(lengths[bone] - person.lengths_mm[bone]) for bone in people.BONES]))
-    known = warp_to(people.hand(), {mark: place for mark, place in person.marks[view].items() if mark in fit.names}, view=view)
-    return (
-        bones,
-        people.skin_error_mm(fit.hand.skin_fine.points, person),
-        people.skin_error_mm(known.hand.skin_fine.points, person),
-        fit.iou,
-    )
+    return bones, people.skin_error_mm(fit.hand.skin_fine.points, person), with_true_places(name, view), fit.iou
 
 
-def test_there_are_women_men_and_children_who_differ():
-    everyone = people.everyone()
-    assert tuple(everyone) == PEOPLE and len(everyone) >= 12
-    span = {bone: [p.lengths_mm[bone] / p.lengths_mm["cmc3", "mcp3"] for p in everyone.values()] for bone in people.BONES}
+def test_there_are_women_men_and_children_who_differ_and_whom_nothing_was_chosen_by():
+    assert tuple(everyone()) == PEOPLE and len(PEOPLE) >= 12
+    assert not set(PEOPLE) & set(people.everyone())
+    span = {bone: [p.lengths_mm[bone] / p.lengths_mm["cmc3", "mcp3"] for p in everyone().values()] for bone in people.BONES}
     assert max(span["pip2", "dip2"]) / min(span["pip2", "dip2"]) > 1.25  # proportions, not only size
-    reach = [np.ptp(person.skin[:, 0]) for person in everyone.values()]
+    reach = [np.ptp(person.skin[:, 0]) for person in everyone().values()]
     assert max(reach) / min(reach) > 1.7
 
 
 @pytest.mark.parametrize("name", PEOPLE)
 def test_a_persons_skin_is_closed_and_its_joints_lie_inside(name):
-    person = people.everyone()[name]
+    person = everyone()[name]
     sides = np.sort(np.vstack([person.faces[:, [0, 1]], person.faces[:, [1, 2]], person.faces[:, [2, 0]]]), axis=1)
     assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()
     for joint, place in person.centres.items():
@@ -94,40 +100,52 @@ def test_a_persons_skin_is_closed_and_its_joints_lie_inside(name):
             assert turns == pytest.approx(1.0, abs=1e-6), joint
 
 
-@pytest.mark.parametrize(("camera", "view"), WAYS)
+@pytest.mark.parametrize("way", [*TOLD, UNTOLD])
 @pytest.mark.parametrize("name", PEOPLE)
-def test_no_person_comes_out_badly(name, camera, view):
-    bones, _, _, iou = measured(name, camera, view)
-    assert 0.05 < bones < 2.5
+def test_no_person_comes_out_badly(name, way):
+    bones, _, _, iou = measured(name, *way)
+    assert 0.05 < bones < (2.5 if way == UNTOLD else 2.0)
     assert 0.90 < iou < 1.0
 
 
-@pytest.mark.parametrize(("camera", "view"), WAYS)
-def test_bones_are_less_than_2_mm_off_on_average(camera, view):
-    assert 0.2 < np.mean([measured(name, camera, view)[0] for name in PEOPLE]) < 2.0
+@pytest.mark.parametrize("way", [*TOLD, UNTOLD])
+def test_bones_are_less_than_2_mm_off_on_average(way):
+    rows = np.array([measured(name, *way) for name in PEOPLE])
+    print(f"{' '.join(way)}: bones {rows[:, 0].mean():.2f} mm (worst {rows[:, 0].max():.2f}), overlap {rows[:, 3].min():.3f}..")
+    assert 0.2 < rows[:, 0].mean() < 2.0
 
 
-@pytest.mark.parametrize(("camera", "view"), WAYS)
-def test_a_picture_costs_at_most_a_quarter_of_the_skins_accuracy(camera, view):
-    rows = np.array([measured(name, camera, view) for name in PEOPLE])
-    ratio = rows[:, 1].mean() / rows[:, 2].mean()
-    print(f"{camera} {view}: bones {rows[:, 0].mean():.2f} mm, skin {rows[:, 1].mean():.2f} mm, with true places {rows[:, 2].mean():.2f}, "
-          f"ratio {ratio:.2f} (worst {(rows[:, 1] / rows[:, 2]).max():.2f}), overlap {rows[:, 3].min():.3f}..")  # fmt: skip
+@pytest.mark.parametrize("way", TOLD)
+def test_a_picture_costs_at_most_a_quarter_of_the_skins_accuracy(way):
+    """Mean over people against mean over people; single persons may lose more, none loses half."""
+    rows = np.array([measured(name, *way) for name in PEOPLE])
+    ratio, worst = rows[:, 1].mean() / rows[:, 2].mean(), (rows[:, 1] / rows[:, 2]).max()
+    print(
+        f"{' '.join(way)}: skin {rows[:, 1].mean():.2f} mm, with true places {rows[:, 2].mean():.2f}, ratio {ratio:.2f} (worst {worst:.2f})"
+    )
     assert 0.8 < ratio <= 1.25
+    assert 0.9 < worst <= 1.5
 
 
-@pytest.mark.parametrize(("camera", "view"), WAYS)
-def test_sixteen_points_cost_at_most_half_of_the_skins_accuracy_more(camera, view):
+@pytest.mark.parametrize("way", [TOLD[0], TOLD[3]])
+def test_sixteen_points_cost_at_most_half_of_the_skins_accuracy_more(way):
     """Against the same warp with the true places of all 26 points."""
-    few = np.mean([measured(name, camera, view, 16)[1] for name in PEOPLE])
-    every = np.mean([measured(name, camera, view)[2] for name in PEOPLE])
-    print(f"{camera} {view}, 16 points: skin {few:.2f} mm against {every:.2f}: {few / every:.2f}")
+    few = np.mean([measured(name, *way, 16)[1] for name in PEOPLE])
+    every = np.mean([with_true_places(name, way[1]) for name in PEOPLE])
+    print(f"{' '.join(way)}, 16 points: skin {few:.2f} mm against {every:.2f}: {few / every:.2f}")
     assert 0.8 < few / every <= 1.5
+
+
+def test_how_far_away_the_camera_was_is_told_by_the_file_or_assumed_and_said():
+    told, scanned, untold = (fitted("woman_1", *way) for way in (TOLD[0], TOLD[2], UNTOLD))
+    assert told.camera == "focal length in the file" and told.camera_mm == pytest.approx(600.0, rel=0.02)
+    assert scanned.camera_mm is None and not any("perspective" in said for said in scanned.warnings)
+    assert untold.camera == "assumed" and untold.camera_mm == 600.0 and any("as is assumed" in said for said in untold.warnings)
 
 
 @pytest.mark.parametrize("view", ["palmar", "dorsal"])
 def test_a_left_hand_comes_out_as_a_left_hand_of_the_same_lengths(view):
-    right, left = fitted("man", "flatbed", view), fitted("man", "flatbed", view, left=True)
+    right, left = fitted("man_1", "flatbed", view, "told"), fitted("man_1", "flatbed", view, "told", left=True)
     assert (right.side, left.side) == ("right", "left")
     one, other = people.hand_lengths_mm(right.hand), people.hand_lengths_mm(left.hand)
     assert max(abs(one[bone] - other[bone]) for bone in people.BONES) < 1.5  # other clicks, other noise
@@ -136,9 +154,9 @@ def test_a_left_hand_comes_out_as_a_left_hand_of_the_same_lengths(view):
 def test_the_reference_hand_comes_back_from_its_own_picture():
     reference = people.reference_person()
     picture = photograph.photograph(reference, camera="flatbed")
-    fit = fit_photo(
-        picture.pixels, landmarks=picture.clicks(np.random.default_rng(0), 0.0), scale={"ruler": picture.ruler, "mm": 150.0}, view="palmar"
-    )
+    scale = {"ruler": picture.ruler, "mm": photograph.RULER_MM}
+    clicks = picture.clicks(np.random.default_rng(0), 0.0)
+    fit = fit_photo(picture.pixels, landmarks=clicks, scale=scale, view="palmar", camera_mm=None)
     assert 1e3 * np.linalg.norm(fit.hand.skin.points - people.hand().skin.points, axis=1).max() < 0.5
 
 

@@ -2,14 +2,15 @@
 
 import io
 import struct
+import sys
 import zlib
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from handlab.fitting import pictures
-from handlab.fitting.pictures import camera_distance_mm, load_picture
+from handlab.fitting.lens import camera_distance_mm
+from handlab.fitting.pictures import load_picture
 
 ORIENTATION, EXIF_IFD, FOCAL_35 = 0x0112, 0x8769, 0xA405
 
@@ -142,18 +143,30 @@ def test_a_missing_picture_and_a_folder_are_told_apart(tmp_path):
         load_picture(tmp_path)
 
 
-def test_heic_is_read_where_the_library_is_installed_and_named_where_not(monkeypatch):
-    data = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + b"\0" * 100
-    try:
-        import pillow_heif
-    except ImportError:
-        with pytest.raises(ValueError, match="pip install pillow-heif"):
-            load_picture(data)
-    else:
-        pillow_heif.register_heif_opener()
-        stream = io.BytesIO()
-        Image.fromarray(scene()).save(stream, format="HEIF")
-        assert load_picture(stream.getvalue()).shape == (90, 120, 3)
+HEIC_HEAD = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
+
+
+def test_a_heic_picture_comes_upright_and_tells_the_distance_of_its_camera():
+    """Stored lying on its side, with the turn that its EXIF data ask for, as telephones do."""
+    heif = pytest.importorskip("pillow_heif")
+    notes = exif(t274=6)  # turn it by 90 degrees clockwise to see it upright
+    notes.get_ifd(EXIF_IFD)[FOCAL_35] = 26
+    stored = Image.fromarray(np.rot90(scene(400, 300), 1).copy())
+    stream = io.BytesIO()
+    heif.from_pillow(stored).save(stream, quality=90, exif=notes.tobytes())
+    found = load_picture(stream.getvalue())
+    assert found.shape == (300, 400, 3)
+    assert np.abs(found.astype(int) - scene(400, 300)).mean() < 4.0
+    assert camera_distance_mm(stream.getvalue(), 1.0) == pytest.approx(26.0 / 43.27 * 500.0, rel=1e-3)
+    for size in (100, 600, len(stream.getvalue()) - 400):
+        with pytest.raises(ValueError, match="damaged or cut off"):
+            load_picture(stream.getvalue()[:size])
+
+
+def test_a_heic_picture_names_the_package_that_reads_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pillow_heif", None)
+    with pytest.raises(ValueError, match=r'pip install "handlab\[photo\]"'):
+        load_picture(HEIC_HEAD + b"\0" * 100)
 
 
 def test_half_pictures_stay_refused_when_another_package_allows_them(monkeypatch):
@@ -169,21 +182,3 @@ def test_half_pictures_stay_refused_when_another_package_allows_them(monkeypatch
 def test_an_array_that_is_no_picture_is_refused(bad):
     with pytest.raises(ValueError, match=r"picture|pixels"):
         load_picture(bad)
-
-
-def test_the_cameras_distance_follows_from_the_focal_length_in_the_file():
-    """50 mm on film of 24 x 36 mm: at 1 m a picture shows 0.48 x 0.72 m, whatever the number of pixels."""
-    data = Image.Exif()
-    data.get_ifd(EXIF_IFD)[FOCAL_35] = 50
-    for width, height in ((600, 400), (1200, 800)):
-        picture = encoded(scene(width, height), "JPEG", exif=data)
-        assert camera_distance_mm(picture, 720.0 / width) == pytest.approx(1000.0, rel=1e-3)
-    assert camera_distance_mm(encoded(scene(), "JPEG"), 0.2) is None
-    assert camera_distance_mm(b"no picture", 0.2) is None
-
-
-def test_the_focal_length_of_a_picture_that_was_cut_says_nothing():
-    data = Image.Exif()
-    data.get_ifd(EXIF_IFD).update({FOCAL_35: 50, pictures.WIDTH: 4000, pictures.HEIGHT: 3000})
-    assert camera_distance_mm(encoded(scene(400, 300), "JPEG", exif=data), 0.2) is not None
-    assert camera_distance_mm(encoded(scene(400, 200), "JPEG", exif=data), 0.2) is None

@@ -29,7 +29,7 @@ def points_of(frame, hand):
     kind = int(np.frombuffer(frame, "<u4", 1)[0])
     assert kind & wire.SKIN
     count = 3 * len(hand.skin.points)
-    start = len(frame) - 2 * count - (20 * len(ellipsoids(hand, hand.bind).centre) if kind & wire.SEGMENTS else 0)
+    start = 4 * (wire.HEAD_WORDS + 3 * len(hand.muscles) + len(hand.dof_names) + 12 * len(hand.bodies))
     return wire.UNIT * np.frombuffer(frame, "<i2", count, start).reshape(-1, 3)
 
 

@@ -7,6 +7,7 @@ the person's size, in hundredths of a millimetre.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -21,15 +22,20 @@ STEP = 1e-5  # metres: stored numbers are whole hundredths of a millimetre
 
 
 def main(path: Path = FILE) -> None:
+    written(shapes.PEOPLE, path)
+
+
+def written(people: Mapping[str, Mapping[str, float]], path: Path) -> None:
+    """People given by their shapes, as a file of ``path``."""
     hand = hl.load_hand()
     woman, bones = sources.person(), sources.bone_set()
     quads, index, turn = frame(woman, bones)
     reach = _reach(woman)
     base = hand.skin_fine.points[: len(index)]
-    names = list(shapes.PEOPLE)
+    names = list(people)
     sizes, deltas, centres, marks = [], [], [], []
     for name in tqdm(names, desc="people", file=sys.stderr):
-        person = sources.person(shapes.PEOPLE[name])
+        person = sources.person(people[name])
         size = _reach(person) / reach
         found = truth.truth(person, bones, quads, index, turn, hand, size)
         sizes.append(size)

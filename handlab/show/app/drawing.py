@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from handlab.anatomy.records import Hand, frozen
+from handlab.anatomy.store import save_hand
 from handlab.show.keepsakes import kept_skin
 from handlab.show.outfits import BLEND
 from handlab.simulation.clip import Clip
@@ -48,16 +50,19 @@ async def draw(clip: Clip, out: Path, how: Mapping[str, Any], folder: Path) -> N
 
     ``how`` holds the plain arguments of ``picture_plan``. Raises ``DrawingFailed``.
     """
-    recording, job = folder / f"{out.stem}.npz", folder / f"{out.stem}.json"
+    recording, job, own = folder / f"{out.stem}.npz", folder / f"{out.stem}.json", folder / f"{out.stem}.hand"
     hand = clip.hand
+    shaped = "shape" in hand.sources  # not the reference hand, which the other process has at hand
     about = {
         "recording": str(recording), "out": str(out), "fps": clip.fps, "name": clip.name,
         "side": hand.side, "reading": hand.reading, "newton_per_percent": hand.newton_per_percent, "how": dict(how),
-        "wear": clip.wear, "muscles": clip.muscles,
+        "wear": clip.wear, "muscles": clip.muscles, "hand": str(own) if shaped else None,
     }  # fmt: skip
     process = None
     try:
         await asyncio.to_thread(pack, clip, recording)
+        if shaped:
+            await asyncio.to_thread(save_hand, hand, own)
         job.write_text(json.dumps(about), encoding="utf-8")
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "handlab.show.app.drawing", str(job),
@@ -77,6 +82,7 @@ async def draw(clip: Clip, out: Path, how: Mapping[str, Any], folder: Path) -> N
             await process.wait()
         for path in (recording, job):
             path.unlink(missing_ok=True)
+        shutil.rmtree(own, ignore_errors=True)
 
 
 def why(code: int, said: str) -> str:
@@ -133,7 +139,7 @@ def main(job: Path) -> None:
     from handlab.show.save import WRITERS
 
     about = json.loads(job.read_text(encoding="utf-8"))
-    hand = load_hand(side=about["side"], reading=about["reading"]).with_newton_per_percent(about["newton_per_percent"])
+    hand = load_hand(about["hand"], side=about["side"], reading=about["reading"]).with_newton_per_percent(about["newton_per_percent"])
     clip = unpack(Path(about["recording"]), hand, about["fps"], about["name"], about["wear"], about["muscles"])
     how, out = dict(about["how"]), Path(about["out"])
     rate = float(how.pop("fps", 30.0))

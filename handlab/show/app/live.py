@@ -91,6 +91,13 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             self._start(self._grant(wish, page))
         self._wake.set()
 
+    def change(self, session: Session) -> None:
+        """Another hand: every page fetches it anew."""
+        self.session, self._last, self._preparing = session, None, False
+        self._credit.clear()
+        self._behind.clear()
+        self.tell({"kind": "hand"})
+
     def tell(self, reply: dict[str, Any], page: str | None = None) -> None:
         """A reply to one page, or to all."""
         self.publish("handlab.note", reply, client_id=page)
@@ -161,6 +168,8 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
     async def play(self, session: Session) -> None:
         """Ask the session for frames while something moves and someone looks; otherwise sleep until a message comes."""
         self.session = session
+        if self._credit:
+            self._dress()  # a page was there before the hand
         before = due = time.perf_counter()
         while True:
             now = time.perf_counter()

@@ -48,7 +48,7 @@ def routes(app: App) -> list[RouteDef]:
         if "ticket" in request.query:
             if not app.guard.redeem(request.query["ticket"]):
                 return web.Response(status=403, text=USED)
-            raise web.HTTPFound(f"index.html?secret={app.guard.key}")
+            raise web.HTTPFound(f"index.html?secret={app.guard.key}{app.opens}")
         raise web.HTTPFound(f"index.html?{request.query_string}" if request.query_string else "index.html")
 
     async def index(request: Request) -> Response:
@@ -91,6 +91,7 @@ def routes(app: App) -> list[RouteDef]:
         web.get("/handlab/static/{name}", static),
         web.get("/handlab/data/scene", scene),
         web.get("/handlab/data/file/{word}", file),
+        web.post("/handlab/data/fit/{word}", app.own_hands.ask),
     ]
 
 

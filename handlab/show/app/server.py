@@ -13,6 +13,7 @@ from typing import Any
 
 from handlab.show.app.files import Files
 from handlab.show.app.guard import EVERYWHERE, Guard, warning
+from handlab.show.app.own_hand import OwnHands
 from handlab.show.app.place import PORT, free_port, open_page, shown_host
 
 STATIC = Path(__file__).parent.parent / "static"
@@ -31,8 +32,10 @@ class App:
         self.host, self.port, self.say = host, port, say
         self.guard = Guard(host, key)
         self.files = Files()
+        self.own_hands = OwnHands(self)
+        self.opens = ""  # what the address says beside the key
         self.live: Any = None
-        self._load = load
+        self.load = load
         self._ready: asyncio.Future[Any] | None = None
         self._server: Any = None
         self._stop: asyncio.Event | None = None
@@ -40,7 +43,7 @@ class App:
     @property
     def address(self) -> str:
         """The address of the page, with its key."""
-        return f"http://{shown_host(self.host)}:{self.port}/index.html?secret={self.guard.key}"
+        return f"http://{shown_host(self.host)}:{self.port}/index.html?secret={self.guard.key}{self.opens}"
 
     @property
     def ticket_address(self) -> str:
@@ -54,7 +57,7 @@ class App:
         for number in (signal.SIGINT, signal.SIGTERM):
             with suppress(NotImplementedError, RuntimeError, ValueError):  # Windows, or not the main thread: Ctrl-C arrives as an exception
                 loop.add_signal_handler(number, self._stop.set)
-        self._ready = loop.create_task(asyncio.to_thread(self._load))
+        self._ready = loop.create_task(asyncio.to_thread(self.load))
         self._server = self._made()
         serving = loop.create_task(self._serve())
         stopping = loop.create_task(self._stop.wait())
@@ -85,6 +88,12 @@ class App:
         """The session, as soon as the hand is loaded."""
         assert self._ready is not None
         return await asyncio.shield(self._ready)
+
+    async def change(self, session: Any) -> None:
+        """Another hand in all pages."""
+        self._ready = asyncio.get_running_loop().create_future()
+        self._ready.set_result(session)
+        self.live.change(session)
 
     async def _play(self) -> None:
         session = await self.session()
@@ -137,10 +146,11 @@ class App:
         web.app.add_routes(routes(self))
 
 
-def start(load: Callable[[], Any], *, host: str, port: int, browser: bool, say: Say = print) -> None:
+def start(load: Callable[[], Any], *, host: str, port: int, browser: bool, say: Say = print, picture: Path | None = None) -> None:
     """Find a place, say where it is, open it in a browser, and serve until Ctrl-C.
 
-    Raises ``OSError`` where no port can be had.
+    ``picture``: a photograph; the page opens where it becomes a hand. Raises ``OSError`` where no port can be had, and what
+    ``load_picture`` raises.
     """
     warn = warning(host)
     got = free_port(host, port)
@@ -159,6 +169,8 @@ def start(load: Callable[[], Any], *, host: str, port: int, browser: bool, say: 
             say(f"({trouble.replace('PORT', str(app.port))})")
 
     app = App(load, host=host, port=got, say=lambda text: print(f"handlab: {text}", file=sys.stderr))  # noqa: T201
+    if picture is not None:
+        app.opens = f"&fit={app.own_hands.give(picture)}"
     with suppress(KeyboardInterrupt):
         asyncio.run(app.run(opened=opened))
     say("Stopped.")

@@ -20,7 +20,7 @@ function say(sentence, again) {
 }
 
 /** What the viewer talks to: frames are ArrayBuffers, everything else plain objects. */
-function transport(session, secret) {
+function transport(session, secret, own) {
   const listeners = new Set();
   const tell = (message) => listeners.forEach((listener) => listener(message));
   const call = (name, args) => session.call(name, args).catch((error) => tell({ kind: "answer", good: false, text: String(error?.message ?? error) }));
@@ -31,7 +31,7 @@ function transport(session, secret) {
     // The host sends the next frame only after this: a slow page, or one in the background, skips frames and never lags behind.
     requestAnimationFrame(() => call("handlab.ready", []));
   });
-  session.subscribe("handlab.note", async ([note]) => tell(note.address ? await fetched(note) : note));
+  session.subscribe("handlab.note", async ([note]) => (note.kind === "hand" ? show() : tell(note.address ? await fetched(note) : note)));
 
   /** A file reply with its content: big files come by another road than the frames, which must not wait for them. */
   async function fetched({ address, ...reply }) {
@@ -45,16 +45,81 @@ function transport(session, secret) {
   }
 
   return {
-    scene: fetch("handlab/data/scene", { headers }).then((answer) => {
-      if (!answer.ok) throw new Error(`the hand could not be loaded (${answer.status})`);
-      return answer.arrayBuffer();
-    }),
+    get scene() {
+      return fetch("handlab/data/scene", { headers }).then((answer) => {
+        if (!answer.ok) throw new Error(`the hand could not be loaded (${answer.status})`);
+        return answer.arrayBuffer();
+      });
+    },
     send: (message) => call("handlab.message", [message]),
+    ownHand: () => own.open(),
     onMessage(callback) {
       listeners.add(callback);
       if (listeners.size === 1) call("handlab.ready", [true]);
       return () => listeners.delete(callback);
     },
+  };
+}
+
+/** The page "Your own hand" over the live hand; clicks and picture stay in this browser, so that a reload loses nothing. */
+function ownHand(secret) {
+  const room = new URLSearchParams(location.search).get("fit") ?? sessionStorage.getItem("handlab-room") ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  sessionStorage.setItem("handlab-room", room);
+  const given = new URLSearchParams(location.search).has("fit");
+  const box = document.createElement("div");
+  box.id = "handlab-fit";
+  box.style.cssText = "position:fixed;inset:0;z-index:20;background:#fff";
+  let page = null;
+
+  async function ask(message, bytes) {
+    const address = `handlab/data/fit/${room}${bytes ? `?name=${encodeURIComponent(message.name)}` : ""}`;
+    const headers = { "X-Handlab-Key": secret, "Content-Type": bytes ? "application/octet-stream" : "application/json" };
+    try {
+      const answer = await fetch(address, { method: "POST", headers, body: bytes ?? JSON.stringify(message) });
+      if (answer.ok) return await answer.json();
+      return { good: false, text: (await answer.text()).replace(/^handlab: /, "") || `the host answers ${answer.status}` };
+    } catch {
+      return { good: false, text: "The connection to handlab has ended. Your clicks are kept in this browser: start handlab again and reload this page." };
+    }
+  }
+
+  const own = {
+    async open() {
+      document.body.append(box);
+      if (page) { page.resized(); return; }
+      const { fit } = await import("./fit.js");
+      page = await fit(box, { ask, store: await store(given ? room : ""), close: own.close, async reference() { await ask({ kind: "reference" }); own.close(); } });
+      window.handlabFit = page;
+    },
+    close() { box.remove(); },
+  };
+  if (given) own.open();
+  return own;
+}
+
+/** Where clicks (text) and the photograph (large) outlive a reload. Without it (a private window) the page works as well, and forgets. */
+async function store(word) {
+  const name = `handlab-fit${word}`;
+  const base = await new Promise((done) => {
+    const wish = indexedDB.open("handlab", 1);
+    wish.onupgradeneeded = () => wish.result.createObjectStore("pictures");
+    wish.onsuccess = () => done(wish.result);
+    wish.onerror = () => done(null);
+  }).catch(() => null);
+  const run = (mode, act) => base && new Promise((done) => {
+    const wish = act(base.transaction("pictures", mode).objectStore("pictures"));
+    wish.onsuccess = () => done(wish.result);
+    wish.onerror = () => done(null);
+  });
+  return {
+    async read() {
+      try {
+        const clicks = JSON.parse(localStorage.getItem(name) ?? "null"), picture = await run("readonly", (all) => all.get(name));
+        return { ...clicks, picture: picture?.blob ?? null, name: picture?.name ?? clicks?.name };
+      } catch { return null; }
+    },
+    clicks(clicks, picture) { try { localStorage.setItem(name, JSON.stringify({ clicks, name: picture })); } catch { /* a full disk: the page goes on */ } },
+    picture: (blob, file) => run("readwrite", (all) => all.put({ blob, name: file }, name)),
   };
 }
 
@@ -66,4 +131,13 @@ document.body.append(element);
 
 const client = window.trame.client;
 client.onConnectionClose(() => say("The connection to handlab has ended.", () => location.reload()));
-window.handlab = await mount(element, transport(client.getConnection().getSession(), sessionStorage.getItem("handlab-key") ?? ""));
+const secret = sessionStorage.getItem("handlab-key") ?? "";
+const host = transport(client.getConnection().getSession(), secret, ownHand(secret));
+
+/** Show the hand; again, when the host has another one. */
+async function show() {
+  window.handlab?.dispose();
+  window.handlab = await mount(element, host);
+}
+
+await show();

@@ -80,11 +80,12 @@ export class Flesh {
   }
 
   // Tendons where the bones take them, as `tendons.py` lays them.
-  layTendons(motion) {
-    for (const tendon of this.layers.tendons) this.layTendon(tendon, motion);
+  // Tendons of the back of the hand are straight where their muscles pull (`tendon_ridges.py`): `bow` says how far they left the bone.
+  layTendons(motion, bow = () => 0) {
+    for (const tendon of this.layers.tendons) this.layTendon(tendon, motion, tendon.taut ? bow(tendon.taut) : 0);
   }
 
-  layTendon(t, M) {
+  layTendon(t, M, bow) {
     const A = this.layers.arrays, via = new Float64Array(3 * t.vias), line = new Float64Array(3 * t.rows), lift = new Float64Array(3);
     const moved = (body, P, p, shift, out, o) => {
       for (let x = 0; x < 3; x++) {
@@ -100,6 +101,9 @@ export class Flesh {
       }
       moved(A.nudge_body[t.row + r], A.nudge, 3 * (t.row + r), false, lift, 0); // off the bones between via points
       for (let x = 0; x < 3; x++) line[3 * r + x] += lift[x];
+      if (!bow) continue;
+      moved(A.nudge_body[t.row + r], A.taut_way, 3 * (t.row + r), false, lift, 0);
+      for (let x = 0; x < 3; x++) line[3 * r + x] += bow * lift[x];
     }
     const centre = new Float64Array(3 * t.joints), axis = new Float64Array(3 * t.joints);
     for (let j = 0; j < t.joints; j++) {

@@ -1,6 +1,7 @@
 // The hand in WebGL2: skin blended from bone motions, bones, two-pass translucency, camera, picking. No libraries.
 
 import { Flesh } from "./flesh.js";
+import { evenTones, joined, leanBones, leanFlesh, leanSkin } from "./lean.js";
 
 const FLOATS = { f4: Float32Array, i2: Int16Array, u4: Uint32Array, u2: Uint16Array, u1: Uint8Array };
 
@@ -39,11 +40,21 @@ export function unpackFrame(data, scene) {
     at += (count + 1) >> 1;
     return taken;
   };
+  const ridges = () => {
+    const count = new Uint32Array(bytes.buffer, bytes.byteOffset + 4 * at, 1)[0];
+    at += 1;
+    const points = new Uint16Array(bytes.buffer, bytes.byteOffset + 4 * at, count);
+    at += (count + 1) >> 1;
+    const lifts = new Uint8Array(bytes.buffer, bytes.byteOffset + 4 * at, count);
+    at += (count + 3) >> 2;
+    return { points, lifts };
+  };
   return {
     moving: (head[1] & 1) !== 0, playing: (head[1] & 2) !== 0, clip: (head[1] & 4) !== 0, echo: head[2],
     time: words[3], seconds: words[4], bytes: bytes.byteLength,
     contraction: take(m), angle: take(d), length: take(m), force: take(m), motion: take(12 * b),
     skin: kind & 2 ? whole(scene.arrays.skin_points.length) : null,
+    ridges: kind & 8 ? ridges() : null,
     segments: kind & 4 ? whole((bytes.byteLength >> 1) - 2 * at) : null,
   };
 }
@@ -101,7 +112,12 @@ const FLESH_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 n; in vec3 c; out vec4 pixel;
 ${STUDIO}
-void main() { pixel = vec4(studio(normalize(n), c, vec3(0.34, 0.16, 0.12), vec3(0.36, 0.28, 0.26), vec2(0.10, 0.16)), 1.0); }`;
+void main() {
+  bool sinew = c.b > c.r; // bluish white, as in look.py's stills
+  vec3 N = normalize(n);
+  pixel = vec4(sinew ? studio(N, c, vec3(0.30, 0.27, 0.25), vec3(0.40, 0.42, 0.44), vec2(0.16, 0.22))
+    : studio(N, c, vec3(0.34, 0.16, 0.12), vec3(0.36, 0.28, 0.26), vec2(0.10, 0.16)), 1.0);
+}`;
 const SKY_VERTEX = `#version 300 es
 out float h;
 void main() { vec2 p = vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2)); h = p.y; gl_Position = vec4(p * 2.0 - 1.0, 0.9999, 1.0); }`;
@@ -111,7 +127,9 @@ in float h; out vec4 pixel;
 void main() { pixel = vec4(mix(vec3(1.0), vec3(0.890, 0.910, 0.929), h), 1.0); }`;
 
 const FAR_SIDE = [0.10, 0.34], NEAR_SIDE = [0.20, 0.86], SOLID = [1, 1];
+const LIFT_UNIT = 2e-5; // metres, as in `wire.py`
 const SLOW_PACE_MS = 26, FAST_PACE_MS = 17.5; // between pictures of a software renderer: beyond the first it draws fewer pixels
+const LEAN_PIXEL = 0.0003; // metres: seen from nearer, fewer triangles would show
 const STILL_AFTER_MS = 180; // a hand at rest is drawn once more, with smooth outlines
 
 // Vertex normals, weighted by area, into `out`; `points` and `out` are flat.
@@ -224,6 +242,7 @@ export class Hand3D {
     const fine = A.fine_triangle.length;
     this.points = new Float32Array(3 * fine);
     this.normals = new Float32Array(3 * fine);
+    this.raised = new Float32Array(fine); // by tendons
     this.dual = new Float32Array(8 * scene.bodies.length);
     this.motion = new Float32Array(12 * scene.bodies.length);
     for (let b = 0; b < scene.bodies.length; b++) this.motion.set([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0], 12 * b);
@@ -254,7 +273,9 @@ export class Hand3D {
     this.normalBuffer = attribute(gl, 1, 3, this.normals, gl.DYNAMIC_DRAW);
     attribute(gl, 2, 3, A.fine_tone, gl.STATIC_DRAW, gl.UNSIGNED_BYTE);
     attribute(gl, 3, 1, part, gl.STATIC_DRAW);
-    indices(gl, A.fine_faces);
+    this.leanSkin = this.software ? leanSkin(this.restingFine(), A.fine_faces) : A.fine_faces.subarray(0, 0);
+    indices(gl, joined(A.fine_faces, this.leanSkin));
+    if (this.software) this.setUpFar();
     const own = new Float32Array(2 * A.bone_points.length / 3);
     bones.forEach((bone, k) => {
       for (let v = A.bone_starts[k]; v < A.bone_starts[k + 1]; v++) { own[2 * v] = bone.body; own[2 * v + 1] = k; }
@@ -264,12 +285,26 @@ export class Hand3D {
     attribute(gl, 0, 3, A.bone_points, gl.STATIC_DRAW);
     attribute(gl, 1, 3, this.boneNormals, gl.STATIC_DRAW);
     attribute(gl, 2, 2, own, gl.STATIC_DRAW);
-    indices(gl, A.bone_faces);
+    this.leanBones = this.software ? leanBones(A.bone_points, A.bone_faces, (v) => own[2 * v + 1]) : A.bone_faces.subarray(0, 0);
+    indices(gl, joined(A.bone_faces, this.leanBones));
     gl.bindVertexArray(null);
     this.fleshArray = null;
     if (this.flesh) this.setUpFlesh();
     gl.enable(gl.DEPTH_TEST);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  // The far side of translucent skin, for a software renderer that moves: the even skin, a fifth of the triangles.
+  setUpFar() {
+    const gl = this.gl, A = this.scene.arrays, count = this.coarse.length / 3;
+    const part = new Float32Array(count).map((_, v) => A.skin_bodies[4 * v]);
+    this.farArray = gl.createVertexArray();
+    gl.bindVertexArray(this.farArray);
+    this.farPointBuffer = attribute(gl, 0, 3, this.coarse, gl.DYNAMIC_DRAW);
+    this.farNormalBuffer = attribute(gl, 1, 3, this.coarseNormals, gl.DYNAMIC_DRAW);
+    attribute(gl, 2, 3, evenTones(A.fine_tone, count, (v) => this.cornerOf(v)), gl.STATIC_DRAW, gl.UNSIGNED_BYTE);
+    attribute(gl, 3, 1, part, gl.STATIC_DRAW);
+    indices(gl, A.skin_faces);
   }
 
   // Muscles and tendons, once: `layers` as `flesh.py` packs them.
@@ -288,7 +323,8 @@ export class Hand3D {
     this.fleshNormalBuffer = attribute(gl, 1, 3, this.fleshNormals, gl.DYNAMIC_DRAW);
     attribute(gl, 2, 3, this.flesh.tone, gl.STATIC_DRAW, gl.UNSIGNED_BYTE);
     attribute(gl, 3, 1, this.flesh.own, gl.STATIC_DRAW);
-    indices(gl, this.flesh.faces);
+    this.leanFlesh = this.software ? leanFlesh(this.flesh.layers) : { faces: new Uint16Array(0), split: 0 };
+    indices(gl, joined(this.flesh.faces, this.leanFlesh.faces));
     gl.bindVertexArray(null);
   }
 
@@ -300,15 +336,40 @@ export class Hand3D {
     return [some ? 0 : this.flesh.split, tendons ? this.flesh.faces.length : this.flesh.split];
   }
 
+  // How far a tendon has left the bone over its knuckle.
+  bow({ muscle, knuckle, reach }) {
+    if (!this.force) return 0;
+    const { straight, most_bow: most } = this.flesh.layers, share = this.force[muscle] / (straight * this.scene.muscles[muscle].max_force);
+    return Math.min(Math.max(share, 0), 1) * Math.min(Math.max(Math.sin(-this.angle[knuckle]), 0) * reach, most);
+  }
+
   // Only what is seen is computed.
   layFlesh() {
     const [from, to] = this.fleshShown();
     if (from >= to) return;
     if (from === 0) this.flesh.layMuscles(this.segments);
-    if (to > this.flesh.split) this.flesh.layTendons(this.motion);
+    if (to > this.flesh.split) this.flesh.layTendons(this.motion, (taut) => this.bow(taut));
     normalsInto(this.flesh.points, this.flesh.faces.subarray(from, to), this.fleshNormals);
     this.fleshFresh = true;
     this.redraw();
+  }
+
+  // The fine skin of the stored posture.
+  restingFine() {
+    const normals = new Float32Array(this.coarse.length), { skin_points: P, skin_faces: F } = this.scene.arrays, out = new Float32Array(this.points.length);
+    normalsInto(P, F, normals);
+    this.fineInto(P, normals, out);
+    return out;
+  }
+
+  fineInto(P, N, out) {
+    const A = this.scene.arrays;
+    for (let v = 0; v < A.fine_triangle.length; v++) {
+      const t = 3 * A.fine_triangle[v], h = A.fine_height[v] + this.raised[v];
+      const i = 3 * A.skin_faces[t], j = 3 * A.skin_faces[t + 1], k = 3 * A.skin_faces[t + 2];
+      const a = A.fine_barycentric[2 * v], b = A.fine_barycentric[2 * v + 1], c = 1 - a - b;
+      for (let x = 0; x < 3; x++) out[3 * v + x] = a * (P[i + x] + h * N[i + x]) + b * (P[j + x] + h * N[j + x]) + c * (P[k + x] + h * N[k + x]);
+    }
   }
 
   cornerOf(v) { // the even skin's point that bears most of fine point v
@@ -321,6 +382,9 @@ export class Hand3D {
   pose(frame) {
     const A = this.scene.arrays;
     if (frame) this.motion.set(frame.motion);
+    this.raised.fill(0);
+    if (frame?.ridges) frame.ridges.points.forEach((v, k) => { this.raised[v] = frame.ridges.lifts[k] * LIFT_UNIT; });
+    if (frame) { this.force = frame.force.slice(); this.angle = frame.angle.slice(); }
     if (frame) this.segments = frame.segments ? frame.segments.slice() : null;
     if (frame && frame.skin) for (let v = 0; v < this.coarse.length; v++) this.coarse[v] = frame.skin[v] * this.scene.unit;
     else {
@@ -328,13 +392,7 @@ export class Hand3D {
       blendInto(A.skin_points, A.skin_bodies, A.skin_weights, this.dual, this.coarse);
     }
     normalsInto(this.coarse, A.skin_faces, this.coarseNormals);
-    const P = this.coarse, N = this.coarseNormals, out = this.points;
-    for (let v = 0; v < A.fine_triangle.length; v++) {
-      const t = 3 * A.fine_triangle[v], h = A.fine_height[v];
-      const i = 3 * A.skin_faces[t], j = 3 * A.skin_faces[t + 1], k = 3 * A.skin_faces[t + 2];
-      const a = A.fine_barycentric[2 * v], b = A.fine_barycentric[2 * v + 1], c = 1 - a - b;
-      for (let x = 0; x < 3; x++) out[3 * v + x] = a * (P[i + x] + h * N[i + x]) + b * (P[j + x] + h * N[j + x]) + c * (P[k + x] + h * N[k + x]);
-    }
+    this.fineInto(this.coarse, this.coarseNormals, this.points);
     normalsInto(this.points, A.fine_faces, this.normals);
     this.fresh = true;
     this.layFlesh();
@@ -440,6 +498,7 @@ export class Hand3D {
     else if (this.pace < FAST_PACE_MS) this.coarser = false;
     const scale = this.density(still), width = Math.round(w * scale), height = Math.round(h * scale);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
+    this.lean = this.software && !still && 2 * this.distance * Math.tan(this.scene.lens_deg * Math.PI / 360) > LEAN_PIXEL * height;
     if (!this.gl) this.drawFlat(); else this.drawGL();
     this.drawn += 1;
     if (this.ondraw) this.ondraw();
@@ -457,6 +516,10 @@ export class Hand3D {
     if (this.fresh) {
       gl.bindBuffer(gl.ARRAY_BUFFER, this.pointBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.points);
       gl.bindBuffer(gl.ARRAY_BUFFER, this.normalBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.normals);
+      if (this.farArray) {
+        gl.bindBuffer(gl.ARRAY_BUFFER, this.farPointBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.coarse);
+        gl.bindBuffer(gl.ARRAY_BUFFER, this.farNormalBuffer); gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.coarseNormals);
+      }
       this.fresh = false;
     }
     gl.enable(gl.CULL_FACE);
@@ -465,7 +528,7 @@ export class Hand3D {
       gl.uniform4fv(use("motion"), this.motion);
       gl.bindVertexArray(this.boneArray);
       gl.cullFace(gl.BACK);
-      gl.drawElements(gl.TRIANGLES, A.bone_faces.length, gl.UNSIGNED_SHORT, 0);
+      this.drawPart(A.bone_faces.length, this.leanBones.length);
     }
     this.drawFlesh(project, turn);
     if (skin === "solid") this.drawSkin(project, turn, SOLID, gl.BACK);
@@ -495,7 +558,9 @@ export class Hand3D {
     this.begin("flesh", project, turn, this.hot.flesh);
     gl.bindVertexArray(this.fleshArray);
     gl.cullFace(gl.BACK);
-    gl.drawElements(gl.TRIANGLES, to - from, gl.UNSIGNED_SHORT, 2 * from);
+    if (!this.lean) { gl.drawElements(gl.TRIANGLES, to - from, gl.UNSIGNED_SHORT, 2 * from); return; }
+    const { faces, split } = this.leanFlesh, begin = from ? split : 0, end = to > this.flesh.split ? faces.length : split;
+    gl.drawElements(gl.TRIANGLES, end - begin, gl.UNSIGNED_SHORT, 2 * (this.flesh.faces.length + begin));
   }
 
   begin(name, project, turn, hot) {
@@ -511,9 +576,20 @@ export class Hand3D {
   drawSkin(project, turn, density, cull) {
     const gl = this.gl, use = this.begin("skin", project, turn, this.hot.part);
     gl.uniform2fv(use("density"), density);
-    gl.bindVertexArray(this.skinArray);
     gl.cullFace(cull);
-    gl.drawElements(gl.TRIANGLES, this.scene.arrays.fine_faces.length, gl.UNSIGNED_SHORT, 0);
+    if (this.lean && density === FAR_SIDE) {
+      gl.bindVertexArray(this.farArray);
+      gl.drawElements(gl.TRIANGLES, this.scene.arrays.skin_faces.length, gl.UNSIGNED_SHORT, 0);
+      return;
+    }
+    gl.bindVertexArray(this.skinArray);
+    this.drawPart(this.scene.arrays.fine_faces.length, this.leanSkin.length);
+  }
+
+  // Of a list of corners that has the lean triangles behind the whole ones: those that are due.
+  drawPart(whole, lean) {
+    const { gl } = this;
+    gl.drawElements(gl.TRIANGLES, this.lean ? lean : whole, gl.UNSIGNED_SHORT, this.lean ? 2 * whole : 0);
   }
 
   // Without WebGL2: the even skin (or the bones' points moved) as flat triangles, far ones first. Plain, but never blank.

@@ -197,6 +197,7 @@ class Viewer {
     const layer = (name) => button(name, () => this.setLook({ [name]: !this.hand.look[name] }), { className: "hl-btn", data: { layer: name } });
     const given = this.transport.recorded && !this.scene.layers; // a recording without muscles has none to show
     this.lookBar = make("div", { className: "hl-bar top" }, views, make("span", { className: "gap" }), skin, bones, ...(given ? [] : [layer("muscles"), layer("tendons")]));
+    if (this.transport.ownHand) this.lookBar.append(button("your own hand ...", () => this.transport.ownHand(), { className: "hl-btn", data: { act: "own-hand" }, title: "make a hand from a photograph" }));
     return this.lookBar;
   }
 

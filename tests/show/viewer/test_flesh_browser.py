@@ -7,7 +7,8 @@ from handlab.show.flesh import ROUND, STRIDE
 from handlab.show.session import Session
 from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles
 from handlab.simulation.muscle_surface import surface_points
-from handlab.simulation.skin import blend
+from handlab.simulation.skin import blend, fine_points
+from handlab.simulation.tendon_ridges import ridge_heights
 from handlab.simulation.tendons import tendons
 
 SOFT = "springs and muscles"
@@ -39,12 +40,47 @@ def test_the_browser_puts_muscles_and_tendons_where_the_kernel_does(soft, hand):
         shown = points[one["first"] : one["end"]]
         body = exact[:-2].reshape(-1, one["ring"] * STRIDE, 3)[::STRIDE, ::STRIDE].reshape(-1, 3)
         assert np.linalg.norm(shown - np.concatenate([body, exact[-2:]]), axis=1).max() < 4e-4, one["name"]
-    for one, tube in zip(told[len(wanted) :], tendons(hand, angle), strict=True):
+    for one, tube in zip(told[len(wanted) :], tendons(hand, angle, contraction), strict=True):
         assert one["name"] == tube.name
         rings = points[one["first"] : one["end"] - 2].reshape(-1, ROUND, 3)
         rows = np.minimum(STRIDE * np.arange(len(rings)), len(tube.points) - 1)
         assert np.abs(rings.mean(axis=1) - tube.points[rows]).max() < 2e-5, one["name"]
         assert np.abs(np.linalg.norm(rings - tube.points[rows][:, None], axis=2) - tube.radius).max() < 2e-5
+
+
+def test_the_browser_lifts_the_skin_over_tendons_that_pull_as_the_kernel_does(soft, hand):
+    page = soft.page
+    page.evaluate("handlab.send({kind: 'play', clip: 'spread', speed: 4})")
+    soft.settled()
+    clip = soft.session.clip
+    raised = ridge_heights(hand, clip.angle[-1], clip.contraction[-1])
+    points = array(page, "points").reshape(-1, 3)
+    assert np.linalg.norm(points - fine_points(hand, clip.skin(-1), raised), axis=1).max() < 5e-5
+    assert np.linalg.norm(points - fine_points(hand, clip.skin(-1)), axis=1).max() > 5e-4
+    page.evaluate("handlab.send({kind: 'wear', skin: 'springs'})")
+    soft.settled()
+    assert page.evaluate("Math.max(...handlab.hand.raised)") == 0
+
+
+def test_a_software_renderer_draws_fewer_triangles_while_the_hand_moves_and_all_of_them_at_rest(soft):
+    counted = """(still) => {
+      const { hand } = handlab, gl = hand.gl, real = gl.drawElements;
+      let count = 0;
+      gl.drawElements = (mode, corners, ...more) => { count += corners / 3; real.call(gl, mode, corners, ...more); };
+      hand.draw(still);
+      gl.drawElements = real;
+      return count;
+    }"""
+    page = soft.page
+    soft.settled()
+    whole, lean = (page.evaluate(counted, still) for still in (True, False))
+    arrays = page.evaluate(
+        "[handlab.hand.scene.arrays.fine_faces, handlab.hand.scene.arrays.bone_faces, handlab.hand.flesh.faces].map((f) => f.length / 3)"
+    )
+    assert whole == 2 * arrays[0] + arrays[1] + arrays[2]
+    assert 0.3 * whole < lean < 0.6 * whole
+    page.evaluate("handlab.hand.zoom(0.3)")  # from near, every triangle shows
+    assert page.evaluate(counted, False) == whole
 
 
 def test_muscles_and_tendons_show_under_translucent_skin_and_go_again(soft):
