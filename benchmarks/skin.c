@@ -1,6 +1,7 @@
 /* The same skin substeps as handlab/simulation/soft_skin_kernel.py (leapfrog), in C: the peer of benchmarks/skin.py, which compiles it. */
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 void leapfrog(double *restrict position, double *restrict velocity, double *restrict force, const uint32_t *restrict first,
               const uint32_t *restrict second, const double *restrict stiffness, const double *restrict rest, double slack,
@@ -12,6 +13,8 @@ void leapfrog(double *restrict position, double *restrict velocity, double *rest
     double *px = position, *py = position + n, *pz = position + 2 * n;
     double *vx = velocity, *vy = velocity + n, *vz = velocity + 2 * n;
     double *fx = force, *fy = force + n, *fz = force + 2 * n;
+    double *restrict wx = malloc(sizeof(double) * edges), *restrict wy = malloc(sizeof(double) * edges);
+    double *restrict wz = malloc(sizeof(double) * edges), *restrict pull = malloc(sizeof(double) * edges);
     for (int step = 0; step < steps; step++) {
         const double share = (double)step / steps;
         for (int i = 0; i < n; i++) {
@@ -27,12 +30,17 @@ void leapfrog(double *restrict position, double *restrict velocity, double *rest
         }
         for (int e = 0; e < edges; e++) {
             const uint32_t i = first[e], j = second[e];
-            double x = px[j] - px[i], y = py[j] - py[i], z = pz[j] - pz[i];
-            const double strain = 1.0 - rest[e] / sqrt(x * x + y * y + z * z);
-            const double pull = stiffness[e] * ((strain > 0.0 ? strain : 0.0) + slack * (strain < 0.0 ? strain : 0.0));
-            x *= pull;
-            y *= pull;
-            z *= pull;
+            wx[e] = px[j] - px[i];
+            wy[e] = py[j] - py[i];
+            wz[e] = pz[j] - pz[i];
+        }
+        for (int e = 0; e < edges; e++) {
+            const double strain = 1.0 - rest[e] / sqrt(wx[e] * wx[e] + wy[e] * wy[e] + wz[e] * wz[e]);
+            pull[e] = stiffness[e] * ((strain > 0.0 ? strain : 0.0) + slack * (strain < 0.0 ? strain : 0.0));
+        }
+        for (int e = 0; e < edges; e++) {
+            const uint32_t i = first[e], j = second[e];
+            const double x = pull[e] * wx[e], y = pull[e] * wy[e], z = pull[e] * wz[e];
             fx[i] += x;
             fy[i] += y;
             fz[i] += z;
@@ -50,4 +58,8 @@ void leapfrog(double *restrict position, double *restrict velocity, double *rest
             pz[i] += dt * vz[i];
         }
     }
+    free(wx);
+    free(wy);
+    free(wz);
+    free(pull);
 }

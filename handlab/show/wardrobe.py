@@ -108,9 +108,7 @@ class Wardrobe:
             return
         from handlab.simulation.geometric_muscle import shape
         from handlab.simulation.kinematics import relative_transforms
-        from handlab.simulation.soft_frame import anchors
-        from handlab.simulation.soft_skin import SoftSkin
-        from handlab.simulation.soft_skin_kernel import volume_and_area
+        from handlab.simulation.soft_frame import anchors, resting
 
         net: Any = self.network
         assert net is not None
@@ -118,11 +116,7 @@ class Wardrobe:
         lifting = self.wear == SOFT and net.muscles is not None
         shapes = shape(net.muscles, moved, self.heard(contraction)) if lifting else None
         swelling = clip.worn.swelling(frame)
-        position = np.ascontiguousarray(points.T)
-        normal = np.empty_like(position)
-        volume = volume_and_area(position, net.faces, normal)
-        centre = anchors(net, moved, shapes, swelling=swelling).centre
-        self._soft = SoftSkin(position, np.zeros_like(position), centre, normal, swelling, volume)
+        self._soft = resting(net, points, anchors(net, moved, shapes, swelling=swelling), swelling)
         self.moving = True
 
 

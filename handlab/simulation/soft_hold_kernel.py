@@ -14,28 +14,20 @@ Index = NDArray[np.int64]
 Node = NDArray[np.uint32]
 Value = NDArray[np.int16]
 A_LITTLE = 1.0 - 1e-6  # long edges are made a little shorter than they must be: rounding left them too long, pass after pass
+A_BIT_MORE = 1.01  # likewise: shadows are made a little larger than they must be
+LEAST_SLOPE = 1e-3  # of what it is at rest: a triangle that is but a point is not thrown far
 UNIT = 1e-6  # m, of the values of ``bone_field``: a constant of this module, so that kernels on disk notice when it changes
 
 
 @compiled
-def unfold(
-    position: Array,
-    turn: Array,
-    faces: Node,
-    corner: Array,
-    normal: Array,
-    least: float,
-    part: float,
-    passes: int,
-    last: Index,
-    clock: Index,
-) -> int:
+def unfold(position: Array, turn: Array, faces: Node, normal: Array, least: float, passes: int, last: Index, clock: Index) -> int:
     """Turn triangles back that have turned over, in place; returns how many were found, in all passes.
 
-    A triangle has turned over when the cosine between its normal and its rest normal, carried by the mean of its corners' rotations
-    ``turn`` (4, n), is below ``least``. Its corners then go ``part`` of the way to its rest shape ``corner`` (M, 9; three corners
-    from its middle), carried likewise, about its middle: no momentum comes of it. ``normal`` (M, 3): of the rest shape, any length.
-    Only triangles are looked at of which a node has moved since the last pass: ``last`` (n,) when, on the clock of ``limited``.
+    The mean of its corners' rotations ``turn`` (4, n) carries a triangle's rest plane along. The area of its shadow on that plane,
+    negative when it has turned over, stays above ``least`` of its rest area: what it lacks is made good by the smallest motion of its
+    corners that does so to first order. That tends to nothing as the lack does, so skin does not snap, and moves no triangle's middle.
+    ``normal`` (M, 3): of the rest shape, as long as twice its area. Only triangles are looked at of which a node has moved since the
+    last pass: ``last`` (n,) when, on the clock of ``limited``.
     """
     found = 0
     for _ in range(passes):
@@ -60,25 +52,31 @@ def unfold(
             # rest normal, carried, times the square of the quaternion: no division where nothing is wrong
             p, q, r = normal[f, 0], normal[f, 1], normal[f, 2]
             a, b, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
-            along = square * (nx * p + ny * q + nz * r)
-            along += 2.0 * (nx * (y * c - z * b) + ny * (z * a - x * c) + nz * (x * b - y * a))
-            bound = least * square
-            if along > 0.0 and along * along >= bound * bound * (nx * nx + ny * ny + nz * nz) * (p * p + q * q + r * r):
+            mx = square * p + 2.0 * (y * c - z * b)
+            my = square * q + 2.0 * (z * a - x * c)
+            mz = square * r + 2.0 * (x * b - y * a)
+            size = p * p + q * q + r * r
+            along = nx * mx + ny * my + nz * mz
+            if along >= least * square * size:
                 continue
-            s = 2.0 / square
             bad += 1
-            mx = (position[0, i] + position[0, j] + position[0, k]) / 3.0
-            my = (position[1, i] + position[1, j] + position[1, k]) / 3.0
-            mz = (position[2, i] + position[2, j] + position[2, k]) / 3.0
-            for d in range(3):
-                v = faces[f, d]
-                p, q, r = corner[f, 3 * d], corner[f, 3 * d + 1], corner[f, 3 * d + 2]
-                a, b, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
-                p, q, r = p + s * (y * c - z * b), q + s * (z * a - x * c), r + s * (x * b - y * a)
-                position[0, v] += part * (mx + p - position[0, v])
-                position[1, v] += part * (my + q - position[1, v])
-                position[2, v] += part * (mz + r - position[2, v])
-                last[v] = now
+            g = 1.0 / (square * math.sqrt(size))
+            mx, my, mz = g * mx, g * my, g * mz
+            jx, jy, jz = by * mz - bz * my, bz * mx - bx * mz, bx * my - by * mx
+            kx, ky, kz = my * az - mz * ay, mz * ax - mx * az, mx * ay - my * ax
+            ix, iy, iz = -jx - kx, -jy - ky, -jz - kz
+            steep = ix * ix + iy * iy + iz * iz + jx * jx + jy * jy + jz * jz + kx * kx + ky * ky + kz * kz
+            g = (A_BIT_MORE * least * math.sqrt(size) - g * along) / max(steep, LEAST_SLOPE * math.sqrt(size))
+            position[0, i] += g * ix
+            position[1, i] += g * iy
+            position[2, i] += g * iz
+            position[0, j] += g * jx
+            position[1, j] += g * jy
+            position[2, j] += g * jz
+            position[0, k] += g * kx
+            position[1, k] += g * ky
+            position[2, k] += g * kz
+            last[i] = last[j] = last[k] = now
         found += bad
         if bad == 0:
             break
@@ -224,10 +222,8 @@ def limited(
     second: Node,
     longest: Array,
     faces: Node,
-    shape: Array,
     normal: Array,
     least: float,
-    part: float,
     passes: int,
     rounds: int,
     bone_rounds: int,
@@ -243,7 +239,7 @@ def limited(
         if k < bone_rounds:
             out_of_bone(position, transform, corner, body, clearance, value, start, size, origin, spacing, last, clock)
         long = shorten(position, first, second, longest, passes, last, clock)
-        faults = unfold(position, turn, faces, shape, normal, least, part, passes, last, clock)
+        faults = unfold(position, turn, faces, normal, least, passes, last, clock)
         if long == 0 and faults == 0:
             break
     return faults

@@ -35,7 +35,7 @@ TISSUE = 15e3  # Pa, fat and loose tissue below the skin: assumption, between fa
 THICKNESS = 0.0015  # m, epidermis and dermis, between the back of the hand (about 1) and the palm (about 2): assumption
 DENSITY = 1100.0  # kg/m^3
 PRESTRETCH = 0.03  # skin of the resting hand is taut by this much (cut skin gapes): assumption, at the low end
-SLACK = 0.02  # share of its stiffness that skin has when pressed along its surface, because it wrinkles: assumption
+SLACK = 0.0  # share of its stiffness that skin has when pressed along its surface, because it wrinkles: assumption
 PAIR_REST = 2.0 / 3.0  # rest length of the mirrored pair over its arm: stiffness across is then E / 3, as in incompressible tissue
 DAMPING = 600.0  # 1/s: the slowest parts of the skin come to rest within a frame: assumption
 SHALLOWEST = 0.0015  # m: columns of tissue are not taken to be shorter; springs of the thinnest would set the step for all
@@ -56,7 +56,7 @@ class Network:
     ``mass`` (n,) kg. Per node: ``points`` (n, 3), ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the
     anchor, ``hold`` (n,) N/m of one of the two springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres,
     ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
-    Per triangle: ``corner`` (M, 9) m from its middle, ``face_normal`` (M, 3) as long as twice its area.
+    Per triangle: ``face_normal`` (M, 3), as long as twice its area.
     ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
     """
 
@@ -81,7 +81,6 @@ class Network:
     frequency: float
     volume: float
     compliance: float
-    corner: Array
     face_normal: Array
     longest: Array
     ties: Ties
@@ -105,7 +104,8 @@ class SoftSkin:
     """The skin at one moment; a step returns another one.
 
     ``position`` (3, n) m; ``velocity`` (3, n) m/s, half a step behind; ``centre`` (3, n) of the mirrored pairs; ``normal`` (3, n);
-    ``swelling``: relative stretch of all tissue columns that keeps the volume; ``volume`` m^3; ``faults``: triangles still inverted.
+    ``swelling``: relative stretch of all tissue columns that keeps the volume; ``volume`` m^3; ``push`` (3, n) m: how far limits have
+    moved the columns; ``faults``: triangles still inverted.
     """
 
     position: Array
@@ -114,6 +114,7 @@ class SoftSkin:
     normal: Array
     swelling: float
     volume: float
+    push: Array
     faults: int = 0
 
     @property
@@ -209,16 +210,11 @@ def _network(
     arm *= (np.maximum(depth, SHALLOWEST) / depth)[:, None]
     depth = np.maximum(depth, SHALLOWEST)
     hold = column_stiffness(tissue, area, depth) / 2.0
-    pull = spring_force(points[edges[:, 0]], points[edges[:, 1]], stiffness, rest)
-    taut = np.zeros_like(points)
-    np.add.at(taut, edges[:, 0], pull)
-    np.add.at(taut, edges[:, 1], -pull)
-    centre = balanced(points, arm, hold, taut)
+    centre = balanced(points, arm, hold, tension(points, edges, stiffness, rest))
     centre_area = node_areas(Mesh(centre, skin.faces))
     index, weight = anchor_weights(hand, edges, distance, nearest)
     grounded = pair_tensor(points - centre, arm, hold)
     frequency = largest_frequency(stiffness_matrix(len(points), edges, spring_tensor(way, stiffness, rest), grounded), mass)
-    middle = points[skin.faces].mean(axis=1, keepdims=True)
     return Network(
         points=frozen(points),
         faces=frozen(skin.faces, np.uint32),
@@ -241,7 +237,6 @@ def _network(
         frequency=frequency,
         volume=skin.volume,
         compliance=float(area @ depth),
-        corner=frozen((points[skin.faces] - middle).reshape(-1, 9)),
         face_normal=frozen(face_normals(skin)),
         longest=frozen(length),
         ties=ties,
@@ -249,6 +244,16 @@ def _network(
         young=young,
         tissue=tissue,
     )
+
+
+def tension(points: Array, edges: Index, stiffness: Array, rest: Array) -> Array:
+    """Pull (n, 3) N of taut edges (e, 2) on nodes at ``points`` (n, 3); edges shorter than at rest do nothing."""
+    ends = points[edges[:, 0]], points[edges[:, 1]]
+    force = spring_force(*ends, stiffness, np.minimum(rest, np.linalg.norm(ends[1] - ends[0], axis=1)))
+    pull = np.zeros_like(points)
+    np.add.at(pull, edges[:, 0], force)
+    np.add.at(pull, edges[:, 1], -force)
+    return pull
 
 
 def pair_tensor(offset: Array, arm: Array, hold: Array) -> Array:

@@ -43,6 +43,8 @@ def leapfrog(
     nodes, edges = position.shape[1], first.shape[0]
     lost = 0.5 * damping * dt
     kept, gained, dragged = (1.0 - lost) / (1.0 + lost), dt / (1.0 + lost), 2.0 * lost / (1.0 + lost) / (dt * steps)
+    # Edges in three loops: only the last, which adds to nodes, cannot do several edges at once.
+    way, pull = np.empty((3, edges)), np.empty(edges)
     for step in range(steps):
         share = step / steps
         for i in range(nodes):
@@ -59,10 +61,16 @@ def leapfrog(
             force[2, i] = k * (a * az + b * bz)
         for e in range(edges):
             i, j = first[e], second[e]
-            x, y, z = position[0, j] - position[0, i], position[1, j] - position[1, i], position[2, j] - position[2, i]
+            way[0, e] = position[0, j] - position[0, i]
+            way[1, e] = position[1, j] - position[1, i]
+            way[2, e] = position[2, j] - position[2, i]
+        for e in range(edges):
+            x, y, z = way[0, e], way[1, e], way[2, e]
             strain = 1.0 - rest[e] / math.sqrt(x * x + y * y + z * z)
-            pull = stiffness[e] * (max(strain, 0.0) + slack * min(strain, 0.0))
-            x, y, z = pull * x, pull * y, pull * z
+            pull[e] = stiffness[e] * (max(strain, 0.0) + slack * min(strain, 0.0))
+        for e in range(edges):
+            i, j = first[e], second[e]
+            x, y, z = pull[e] * way[0, e], pull[e] * way[1, e], pull[e] * way[2, e]
             force[0, i] += x
             force[1, i] += y
             force[2, i] += z
@@ -87,7 +95,9 @@ def carried(quaternion: Array, index: Node, weight: Array, points: Array, arms: 
     ``turn`` (4, n) receives the unit quaternion w x y z that turns every node. The sum of quaternions is written out here, in ``turned``
     and in ``skin_kernel.blend_dual``: shared as a function of arrays it makes the blend 3.3 times slower.
     """
-    for n in range(points.shape[0]):
+    count = points.shape[0]
+    dual = np.empty((4, count))
+    for n in range(count):
         first = index[n, 0]
         w0, x0, y0, z0 = quaternion[first, 0], quaternion[first, 1], quaternion[first, 2], quaternion[first, 3]
         w, x, y, z, dw, dx, dy, dz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -106,19 +116,32 @@ def carried(quaternion: Array, index: Node, weight: Array, points: Array, arms: 
             dx += g * quaternion[b, 5]
             dy += g * quaternion[b, 6]
             dz += g * quaternion[b, 7]
-        size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
-        w, x, y, z, dw, dx, dy, dz = w * size, x * size, y * size, z * size, dw * size, dx * size, dy * size, dz * size
         turn[0, n], turn[1, n], turn[2, n], turn[3, n] = w, x, y, z
-        p, q, r = points[n, 0], points[n, 1], points[n, 2]
-        a, b_, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
-        centre[0, n] = p + 2.0 * (y * c - z * b_ + w * dx - dw * x + y * dz - z * dy)
-        centre[1, n] = q + 2.0 * (z * a - x * c + w * dy - dw * y + z * dx - x * dz)
-        centre[2, n] = r + 2.0 * (x * b_ - y * a + w * dz - dw * z + x * dy - y * dx)
+        dual[0, n], dual[1, n], dual[2, n], dual[3, n] = dw, dx, dy, dz
+    # Three loops that do several nodes at once: one loop over all these arrays would not.
+    for n in range(count):
+        w, x, y, z = turn[0, n], turn[1, n], turn[2, n], turn[3, n]
+        size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+        turn[0, n], turn[1, n], turn[2, n], turn[3, n] = w * size, x * size, y * size, z * size
+        dual[0, n] *= size
+        dual[1, n] *= size
+        dual[2, n] *= size
+        dual[3, n] *= size
+    for n in range(count):
+        w, x, y, z = turn[0, n], turn[1, n], turn[2, n], turn[3, n]
         p, q, r = arms[n, 0], arms[n, 1], arms[n, 2]
         a, b_, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
         arm[0, n] = p + 2.0 * (y * c - z * b_)
         arm[1, n] = q + 2.0 * (z * a - x * c)
         arm[2, n] = r + 2.0 * (x * b_ - y * a)
+    for n in range(count):
+        w, x, y, z = turn[0, n], turn[1, n], turn[2, n], turn[3, n]
+        dw, dx, dy, dz = dual[0, n], dual[1, n], dual[2, n], dual[3, n]
+        p, q, r = points[n, 0], points[n, 1], points[n, 2]
+        a, b_, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
+        centre[0, n] = p + 2.0 * (y * c - z * b_ + w * dx - dw * x + y * dz - z * dy)
+        centre[1, n] = q + 2.0 * (z * a - x * c + w * dy - dw * y + z * dx - x * dz)
+        centre[2, n] = r + 2.0 * (x * b_ - y * a + w * dz - dw * z + x * dy - y * dx)
 
 
 @compiled

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, frozen
-from handlab.physics.springs import largest_frequency, spring_force, spring_tensor, stiffness_matrix
+from handlab.physics.springs import largest_frequency, spring_tensor, stiffness_matrix
 from handlab.simulation.soft_frame import Anchors, advance, at_bind
-from handlab.simulation.soft_skin import Network, balanced, pair_tensor
+from handlab.simulation.soft_skin import Network, balanced, pair_tensor, tension
 
 FRAME = 1.0 / 60.0  # s
 NUDGE = 1e-9  # m: so small that every spring is a straight line
@@ -127,10 +127,7 @@ def with_moduli(network: Network, young: float, tissue: float) -> Network:
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} is {value:g}; give a positive number of pascals, such as 100e3")
     springs, hold = network.stiffness * (young / network.young), network.hold * (tissue / network.tissue)
-    pull = spring_force(network.points[network.first], network.points[network.second], springs, network.rest)
-    taut = np.zeros_like(network.points)
-    np.add.at(taut, network.first, pull)
-    np.add.at(taut, network.second, -pull)
-    centre = balanced(network.points, network.arm, hold, taut)
+    edges = np.stack([network.first, network.second], axis=1).astype(np.int64)
+    centre = balanced(network.points, network.arm, hold, tension(network.points, edges, springs, network.rest))
     changed = replace(network, stiffness=frozen(springs), hold=frozen(hold), centre=frozen(centre), young=young, tissue=tissue)
     return replace(changed, frequency=largest_frequency(stiffness(changed), network.mass))

@@ -109,7 +109,6 @@ def test_a_clip_plays_with_the_recorded_skin_and_scrubs_to_the_same_moment(sessi
 
 
 # Limits put a few folded nodes of a fist elsewhere when the springs had a millisecond than when they had a whole frame.
-@pytest.mark.xfail(strict=True, reason="the limits of the skin do not come to rest: nodes of the little finger move 2 mm")
 def test_a_slider_in_a_clip_takes_the_skin_over_without_a_jump(session):
     session.message({"kind": "play", "clip": "fist"})
     for _ in range(60):
