@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from handlab.show.plots import lever_arm_map
     from handlab.show.save import save
     from handlab.show.sheet import sheet
+    from handlab.show.skins_figure import skins_figure
     from handlab.show.step_plots import step_plot
     from handlab.show.strength_plots import brand_plot, pull_map
     from handlab.show.two_hands import two_hands
@@ -82,10 +83,12 @@ _HOME = {
     "view": "handlab.show.view",
     "MusclePanel": "handlab.show.panels",
     "bulge_figure": "handlab.show.bulge_figure",
+    "skins_figure": "handlab.show.skins_figure",
     "two_hands": "handlab.show.two_hands",
     "retarget": "handlab.fitting.retarget",
     "fit_points": "handlab.fitting.fit",
     "fit_photo": "handlab.fitting.fit",
+    "find_landmarks": "handlab.fitting.found",
     "soft_skin": "handlab.simulation.soft_skin",
     "geometric_muscles": "handlab.simulation.geometric_muscle",
     "PaintPanel": "handlab.show.paint_panel",
@@ -125,6 +128,7 @@ __all__ = [
     "settle",
     "sheet",
     "simulate",
+    "skins_figure",
     "soft_skin",
     "step",
     "step_plot",

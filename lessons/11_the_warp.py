@@ -258,12 +258,18 @@ panel
 # ### Exercise: find the limit
 #
 # By how many millimetres, in whole numbers, must `pip_index` be dragged distally so that a bone folds for the first time? Which bone? And
-# how many millimetres is `dip_index` away from `pip_index`? (`panel.folded`, `panel.least`; or your own Jacobian.)
+# how many millimetres is `dip_index` away from `pip_index`? (`panel.folded` and `panel.least` tell. Or write a loop: `rbf.jacobian(made,
+# bones)` has all Jacobians at once.)
 
 # %%
 # solution: limit_mm, bone, apart_mm = ..., ..., ...
-limit_mm = next(mm for mm in range(80) if panel.set(distal_mm=mm) or panel.folded)
-bone = next(iter(panel.least))
+for limit_mm in range(80):
+    dragged = source.copy()
+    dragged[NAMES.index("pip_index"), 0] += limit_mm / 1000
+    cubes = np.linalg.det(rbf.jacobian(rbf.fitted(source, dragged), bones))
+    if cubes.min() < 0:
+        break
+bone = owner[cubes.argmin()]
 apart_mm = 1000 * np.linalg.norm(source[NAMES.index("dip_index")] - source[NAMES.index("pip_index")])
 # end solution
 check("fold", limit_mm, bone, apart_mm)

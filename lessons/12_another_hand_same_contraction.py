@@ -125,7 +125,8 @@ for k, name in enumerate(("length", "force", "torque", "inertia")):
     axes.loglog(lengths, [one[name] / before[name] for one in grown], label=name, marker="os^D"[k], markersize=11, **line(k))
     people = [(size.strengths(person)[name] / before[name], person.growth.length) for person in (child, man)]
     axes.plot([at for _, at in people], [ratio for ratio, _ in people], "*", color="black", markersize=17)
-axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: the child and the man")
+axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: child, man", xticks=lengths, xticklabels=lengths)
+axes.minorticks_off()
 axes.legend()
 plt.close(figure)
 figure
@@ -242,8 +243,8 @@ for name, one in {"0.7 scaled": enlarged(hand, 0.7), "0.7 kept": kept}.items():
 # ### Exercise: doubt it
 #
 # So the child's finger is faster only if its **friction** shrinks more than its torque. The package lets friction grow like $L^4$: an
-# assumption, nobody has measured it. Let it grow like torque, $L^3$. What is the ratio of half times then, for `doubted` and the reference
-# hand?
+# assumption, for which it names no source. Let it grow like torque, $L^3$. What is the ratio of half times then, for `doubted` and the
+# reference hand?
 
 # %%
 small = enlarged(hand, 0.7)

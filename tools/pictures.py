@@ -39,6 +39,7 @@ def main() -> None:
         "wrist": hl.wrist_plot(hand),
         "step": hl.step_plot(hand),
         "wrist_inertia": hl.wrist_inertia(hand),
+        "two_hands": hl.two_hands(hand, hl.load_hand("child"), "fist"),
     }.items():
         hl.save(figure, FOLDER / f"{name}.png")
     live_view()

@@ -154,7 +154,16 @@ def load_grid(path: str | os.PathLike[str]) -> MuscleGrid:
     """One muscle grid from its JSON file, as ``save_grids`` writes it."""
     file = Path(path)
     try:
-        row = json.loads(file.read_text(encoding="utf-8"))
+        return grid_of(json.loads(file.read_text(encoding="utf-8")), file.name)
+    except FileNotFoundError:
+        raise FileNotFoundError(f"there is no muscle grid {file}") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{file.name}: {error}") from error
+
+
+def grid_of(row: Any, file: str) -> MuscleGrid:
+    """The muscle grid in what a JSON ``file`` holds. Raises ``ValueError`` for anything else."""
+    try:
         return MuscleGrid(
             name=row["name"],
             drives=tuple(row["drives"]),
@@ -169,14 +178,12 @@ def load_grid(path: str | os.PathLike[str]) -> MuscleGrid:
             confined=bool(row.get("confined", False)),
             side=row.get("side", "right"),
         )
-    except FileNotFoundError:
-        raise FileNotFoundError(f"there is no muscle grid {file}") from None
     except (TypeError, IndexError, KeyError, AttributeError) as error:
         if isinstance(error, KeyError) and type(error) is not KeyError:
             raise  # an unknown bone, already told with the nearest ones
         raise ValueError(f"{file} is no muscle grid: {error!r} is missing or misplaced") from error
     except ValueError as error:
-        raise ValueError(f"{file.name}: {error}") from error
+        raise ValueError(f"{file}: {error}") from error
 
 
 def _places(pairs: Any) -> Array:

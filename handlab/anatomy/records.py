@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from handlab.anatomy.meshes import frozen as frozen
 from handlab.anatomy.named import Named as Named
 from handlab.anatomy.pseudo_muscles import LeverArm as LeverArm
 from handlab.anatomy.pseudo_muscles import Muscle as Muscle
+
+if TYPE_CHECKING:
+    from handlab.anatomy.grids import MuscleGrid
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,7 @@ class Hand:
     ``relaxed`` (dof,) (in the printed reading the straight hand), ``friction`` (dof,), ``capsule`` (None: hard limits),
     ``collateral`` ligaments of the finger MCP joints.
     ``growth``: how muscles differ from the tables in a hand of another size (None: not at all; see ``growth.grown``).
+    ``grids``: of its geometric muscles (None: the shipped ones).
     """
 
     name: str
@@ -122,6 +126,7 @@ class Hand:
     newton_per_percent: float
     sources: Mapping[str, Any] = field(repr=False)
     growth: Growth | None = None
+    grids: tuple[MuscleGrid, ...] | None = None
 
     def __repr__(self) -> str:
         return (

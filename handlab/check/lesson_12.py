@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlab.anatomy.load import load_hand
-from handlab.anatomy.records import Hand
+from handlab.anatomy.records import Array, Hand
 from handlab.check.answers import number, one, reference, said
 from handlab.check.lesson import Exercises
 from handlab.check.own_lines import compare, values
@@ -56,9 +56,38 @@ def bent_deg(hand: Hand) -> float:
     return float(np.rad2deg(found.angle[hand.dof_names.index(BEND)]))
 
 
+@cache
 def ratio(hand: Hand) -> float:
     """Half time over that of the reference hand."""
     return size.half_time(hand) / size.half_time(reference())
+
+
+@cache
+def doubted() -> Hand:
+    """The small hand with a friction that grows like its torque."""
+    return small().with_(friction=reference().friction * SMALL**3)
+
+
+@cache
+def fists_apart_deg() -> Array:
+    """How far (T, dof) the fists of reference hand and child are apart."""
+    angles = [simulate(hand, "fist", hold=("wrist",)).angle for hand in (reference(), child())]
+    return np.rad2deg(np.abs(angles[0] - angles[1]))
+
+
+@cache
+def sags() -> float:
+    """Of the small hand over the reference hand."""
+    return size.sag(small()) / size.sag(reference())
+
+
+@cache
+def gaps_mm() -> tuple[float, float, float]:
+    """Between the pulps where thumb and index finger meet: reference hand; child, the same contractions; child, adapted ones."""
+    meeting = simulate(reference(), MEETING, hold=("wrist",))
+    played = [simulate(child(), keys, hold=("wrist",)) for keys in (MEETING, retarget(meeting, child(), hold=("wrist",)))]
+    first, second, third = (1e3 * measures.pulp_gap(clip.hand, clip.skin(-1), 1, 2) for clip in (meeting, *played))
+    return first, second, third
 
 
 def told(right: float, answer: Any, what: str, hint: str) -> None:
@@ -156,8 +185,7 @@ def times(predicted: Any, measured: Any) -> str:
 @EXERCISES.register("apart")
 def apart(most: Any, end: Any) -> str:
     """How many degrees two fists are apart, at most and at the end."""
-    fists = [simulate(hand, "fist", hold=("wrist",)) for hand in (reference(), child())]
-    off = np.rad2deg(np.abs(fists[0].angle - fists[1].angle))
+    off = fists_apart_deg()
     way, rest = float(off.max()), float(off[-1].max())
     for answer, right, other, what in ((most, way, rest, "The largest difference"), (end, rest, way, "The difference at the end")):
         slips = {
@@ -187,7 +215,7 @@ def kept(torque: Any, inertia: Any, measured: Any) -> str:
 @EXERCISES.register("doubt")
 def doubt(measured: Any) -> str:
     """Ratio of half times if friction grows like L^3."""
-    right = ratio(small().with_(friction=reference().friction * SMALL**3))
+    right = ratio(doubted())
     slips = {
         "that is with the friction of the package. Take doubted.": ratio(small()),
         "that is with kept mechanics.": ratio(small("kept")),
@@ -202,7 +230,7 @@ def doubt(measured: Any) -> str:
 def weight(power: Any, measured: Any) -> str:
     """Power of the torque of the weight, and the ratio of the sags."""
     told(4.0, power, "The power of the torque of the weight", "Weight grows like mass; and its arm grows, too.")
-    right = size.sag(small()) / size.sag(reference())
+    right = sags()
     said(right, {"the small hand goes above the line.": 1.0 / right}, measured, "The ratio of the sags", "times", MEASURED)
     return f"{right:.2f}. L^4 over L^3 leaves L = {SMALL:g}, as long as the springs of the wrist are nearly straight lines."
 
@@ -210,10 +238,7 @@ def weight(power: Any, measured: Any) -> str:
 @EXERCISES.register("repair")
 def repair(same: Any, adapted: Any) -> str:
     """Gap of the pulps on the child with the same and with adapted contractions, millimetres."""
-    hold = ("wrist",)
-    meeting = simulate(reference(), MEETING, hold=hold)
-    played = [simulate(child(), keys, hold=hold) for keys in (MEETING, retarget(meeting, child(), hold=hold))]
-    right = [1e3 * measures.pulp_gap(child(), clip.skin(-1), 1, 2) for clip in played]
+    gap, *right = gaps_mm()
     for answer, goal, other, what in ((same, right[0], right[1], "The gap"), (adapted, right[1], right[0], "The gap with adapted ones")):
         given = number(answer, what, "millimetres")
         if abs(given - goal) <= MEASURED_MM:
@@ -223,7 +248,6 @@ def repair(same: Any, adapted: Any) -> str:
         if abs(given - other) <= MEASURED_MM:
             raise Wrong("The two are swapped: first with the contractions of the reference hand.")
         raise Wrong(f"{what} is not {given:.2f} mm. Give pulp_gap the child, and the skin of the child's clip.")
-    gap = 1e3 * measures.pulp_gap(reference(), meeting.skin(-1), 1, 2)
     growth = child().growth
     assert growth is not None
     return f"{right[0]:.1f} and {right[1]:.1f} mm, where {gap:.1f} mm times L would be {gap * growth.length:.1f}: they mean the same again."

@@ -108,7 +108,7 @@ def hand_mask(picture: NDArray[np.uint8], points_px: Array) -> Mask:
     if inside.sum() < 3:
         raise ValueError(f"only {int(inside.sum())} of {len(points)} points lie in the picture; the hand is looked for around at least 3")
     step = max(1, round(max(rows, columns) / COARSE))
-    small = _reduced(picture, step)
+    small = reduced(picture, step)
     colour = np.stack([gaussian_filter(small[:, :, i], SMOOTH) for i in range(3)], axis=2)
     seeds = np.clip((points[inside] / step).astype(int), 0, [small.shape[1] - 1, small.shape[0] - 1])
     hand, ground = _examples(colour, seeds)
@@ -119,7 +119,7 @@ def hand_mask(picture: NDArray[np.uint8], points_px: Array) -> Mask:
         raise ValueError(
             "hand and background have nearly the same colour in this picture; photograph the hand on a plain, darker or lighter ground"
         )
-    limit = _threshold(np.clip(value, low, high))
+    limit = threshold(np.clip(value, low, high))
     coarse = binary_opening(value > limit, iterations=1)
     pieces, _ = label(coarse)
     touched = pieces[seeds[:, 1], seeds[:, 0]]
@@ -164,7 +164,7 @@ def _borders(piece: Mask, at: NDArray[np.int64], way: int) -> bool:
     return bool(piece[right]) and not bool(piece[left])
 
 
-def _reduced(picture: NDArray[np.uint8], step: int) -> Array:
+def reduced(picture: NDArray[np.uint8], step: int) -> Array:
     """Means of squares of ``step`` pixels; the last, incomplete ones are left out."""
     rows, columns = max(1, picture.shape[0] // step), max(1, picture.shape[1] // step)
     total = np.zeros((rows, columns, 3))
@@ -197,7 +197,7 @@ def _discriminant(hand: Array, ground: Array) -> Array:
     return direction / max(float(np.linalg.norm(direction)), 1e-12)
 
 
-def _threshold(value: Array) -> float:
+def threshold(value: Array) -> float:
     """Otsu's threshold (1979): the two classes differ most."""
     count, edges = np.histogram(value, bins=256)
     middle = (edges[1:] + edges[:-1]) / 2

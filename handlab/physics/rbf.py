@@ -101,12 +101,13 @@ def warped(warp: Warp, points: ArrayLike) -> Array:
     flat = np.ascontiguousarray(x.reshape(-1, 3))
     flat.setflags(write=False)  # kernels are compiled anew for arrays that can be written
     out, arrays = np.empty(flat.shape), _arrays(warp)
-    half = len(flat) // 2 if len(flat) >= TWO_THREADS else len(flat)
-    other = Thread(target=evaluate, args=(flat[half:], *arrays, out[half:]))
-    if half < len(flat):
+    if len(flat) < TWO_THREADS:
+        evaluate(flat, *arrays, out)
+    else:
+        half = len(flat) // 2
+        other = Thread(target=evaluate, args=(flat[half:], *arrays, out[half:]))
         other.start()
-    evaluate(flat[:half], *arrays, out[:half])
-    if half < len(flat):
+        evaluate(flat[:half], *arrays, out[:half])
         other.join()
     return out.reshape(x.shape)
 

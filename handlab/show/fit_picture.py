@@ -35,7 +35,7 @@ class Photo:
         self.data = data if isinstance(data, bytes) else b""
         self.pixels: Picture = load_picture(data)
         self.size = (self.pixels.shape[1], self.pixels.shape[0])
-        self.shown = self._smaller(SHOWN)
+        self.shown: Any = self._smaller(SHOWN)
         self._small, self.step = self.reduced(COMPARED)
         self._mask: tuple[int, NDArray[np.bool_] | None] = (0, None)
 
@@ -61,8 +61,8 @@ class Photo:
     def _smaller(self, longest: int) -> Any:
         from PIL import Image
 
-        whole = Image.fromarray(np.asarray(self.pixels))
         factor = longest / max(self.size)
+        whole = self.shown if longest < SHOWN else Image.fromarray(np.asarray(self.pixels))
         if factor >= 1.0:
             return whole
         return whole.resize((max(round(self.size[0] * factor), 1), max(round(self.size[1] * factor), 1)), Image.Resampling.BOX)

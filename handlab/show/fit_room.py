@@ -7,6 +7,7 @@ The page holds the clicks and sends all of them after every change; the host ans
     picture  name, data          the photograph, upright, as the page shows it
     clicks   clicks              the outline that they give so far, or what is wrong with them
     fit      clicks              the finished hand: report, outline, overlap
+    find     view                a guess of all points, to be corrected by hand
     read     name, text          clicks from a file of points
     file     what                "hand" (archive), "picture" (outline over the photo) or "report"
     move     clicks              the hand goes live
@@ -21,6 +22,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +41,10 @@ from handlab.fitting.preview import Sketch, sketch
 from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks, read, read_file
 from handlab.show.fit_keepsakes import FILES, keepsake, rows
-from handlab.show.fit_picture import Photo, photo_tones
+from handlab.show.fit_picture import TINTED, Photo, photo_tones
 from handlab.show.fit_words import plain, points, trouble
 
+LOOKED_AT = 3000
 SURE_FROM = 8  # points; what fewer seem to say is not worth a message
 
 
@@ -93,8 +96,18 @@ class FitRoom:
         """Millimetres per pixel. A coin is looked for once. Raises ``ValueError``."""
         key = repr(self.clicks.scale)
         if key not in self._scales:
-            self._scales[key] = confirmed(as_scale(self.clicks.scale, self._photo().pixels), self._photo().data)
+            self._scales[key] = confirmed(self._measured(), self._photo().data)
         return self._scales[key]
+
+    def _measured(self) -> Scale:
+        """A coin or card is looked for in a picture of at most ``LOOKED_AT`` pixels a side: 50 megapixels would take ten seconds."""
+        scale = dict(self.clicks.scale)
+        kind = next((one for one in ("coin", "card") if one in scale), None)
+        if kind is None:
+            return as_scale(scale)
+        pixels, step = self._photo().reduced(LOOKED_AT)
+        found = as_scale({**scale, kind: [value / step for value in scale[kind]]}, pixels)
+        return replace(found, mm_per_px=found.mm_per_px / step)
 
     def camera(self) -> Camera:
         """As the user says (0: a scanner), as the file tells, or as is likely."""
@@ -204,6 +217,13 @@ class FitRoom:
         self._took(message)
         return {"result": rows(self.finish(), self._photo())}
 
+    def _find(self, message: Mapping[str, Any], data: bytes | None) -> dict[str, Any]:
+        from handlab.fitting.found import find_landmarks
+
+        pixels, step = self._photo().reduced(TINTED)
+        found = find_landmarks(pixels, view="dorsal" if message.get("view") == "dorsal" else "palmar")
+        return {"landmarks": {name: (x * step, y * step) for name, (x, y) in found.items()}}
+
     def _read(self, message: Mapping[str, Any], data: bytes | None) -> dict[str, Any]:
         return {"clicks": read_file(str(message.get("name") or "this file")[:120], message.get("text")).to_json()}
 
@@ -244,6 +264,7 @@ ACTS = {
     "picture": FitRoom._picture,
     "clicks": FitRoom._clicks,
     "fit": FitRoom._fit,
+    "find": FitRoom._find,
     "read": FitRoom._read,
     "file": FitRoom._file,
     "move": FitRoom._moved,

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from handlab.anatomy.grids import MuscleGrid
 from handlab.anatomy.terms import find
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story
@@ -75,6 +76,8 @@ class KeepingHand(MovingHand):
             self._replies.append({"kind": "clips", "clips": self.clips()})
             self._open(found.name)
             self._answer(f"loaded the clip {found.name!r}: {self._seconds:.1f} s")
+        elif isinstance(found, MuscleGrid):
+            self._paint(found)
         else:
             self._leave()
             self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, found.hold, AWAKE
@@ -82,6 +85,18 @@ class KeepingHand(MovingHand):
             self.wardrobe.drop()
             self._answer(f"loaded the pose {file!r}")
         self._status()
+
+    def _paint(self, grid: MuscleGrid) -> None:
+        from handlab.simulation.painted import with_painted
+
+        self.adopt(with_painted(self.hand, grid))
+        if self.segments:
+            self._tell_layers()
+        drives = " and ".join(self.hand.muscles[name].abbreviation for name in grid.drives)
+        self._answer(f"the muscle {grid.name!r} is in; {drives} makes it swell")
+
+    def _tell_layers(self) -> None:
+        """Tell what stays of muscles and tendons."""
 
     def _export(self, message: Mapping[str, Any]) -> None:
         kind = find(str(message.get("format")), FORMATS, kind="format")

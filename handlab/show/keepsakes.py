@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from handlab.anatomy.grids import MuscleGrid, grid_of
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.physics.muscle import muscle_force
 from handlab.show.outfits import BLEND, SOFT
@@ -151,8 +152,8 @@ def clip_file(clip: Clip) -> tuple[str, str]:
     return "".join(c if c.isalnum() or c in "-_" else "-" for c in name) + ".json", text
 
 
-def read(hand: Hand, text: Any, file: str) -> Pose | KeyFrames:
-    """What ``pose_text`` or ``clip_file`` wrote. Raises ``ValueError`` with one sentence for anything else."""
+def read(hand: Hand, text: Any, file: str) -> Pose | KeyFrames | MuscleGrid:
+    """What ``pose_text`` or ``clip_file`` wrote, or a painted muscle. Raises ``ValueError`` with one sentence for anything else."""
     if not isinstance(text, str):
         raise ValueError(f"{file}: no text arrived; choose a .json file that was saved here")
     if len(text) > MOST_TEXT:
@@ -168,9 +169,11 @@ def read(hand: Hand, text: Any, file: str) -> Pose | KeyFrames:
             return read_pose(hand, content)
         if isinstance(content, dict) and isinstance(content.get("contraction"), dict) and isinstance(content.get("time"), list):
             return read_clip(hand, content, file)
+        if isinstance(content, dict) and "triangle" in content and "drives" in content:
+            return grid_of(content, file)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{file}: {error}") from None
-    raise ValueError(f'{file} holds neither a pose ("angle_deg") nor a clip ("time" and "contraction")')
+    raise ValueError(f'{file} holds neither a pose ("angle_deg") nor a clip ("time" and "contraction") nor a painted muscle ("triangle")')
 
 
 def read_pose(hand: Hand, content: dict[str, Any]) -> Pose:

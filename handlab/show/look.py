@@ -27,13 +27,12 @@ float s16 = s8 * s8;
 float s64 = s16 * s16; s64 *= s64;
 lit += (gloss.x * s16 + gloss.y * s64) * vec3(1.0, 0.97, 0.93) + (0.09 * edge * edge * edge * up) * vec3(1.0, 0.88, 0.80);
 """
-# The key low from the right and little else, for small relief: a bulge of 2 mm throws its own shade.
+# The key low from the left and little else, for small relief: a bulge of 2 mm throws its own shade.
 RAKING = (
-    STUDIO.replace("vec3(-0.4480, 0.6471, 0.6170)", "vec3(0.8480, 0.4310, 0.3084)")
-    .replace("vec3(0.8053, 0.0537, 0.5905)", "vec3(-0.6956, 0.1098, 0.7100)")
-    .replace("vec3(-0.2491, 0.3599, 0.8992)", "vec3(0.5243, 0.2664, 0.8088)")
+    STUDIO.replace("vec3(-0.4480, 0.6471, 0.6170)", "vec3(-0.8480, 0.4240, 0.3180)")
+    .replace("vec3(-0.2491, 0.3599, 0.8992)", "vec3(-0.5222, 0.2611, 0.8119)")
     .replace("vec3(0.60, 0.585, 0.564)", "vec3(0.90, 0.878, 0.846)")
-    .replace("mix(low, vec3(0.45, 0.46, 0.48), up)", "0.5 * mix(low, vec3(0.45, 0.46, 0.48), up)")
+    .replace("mix(low, vec3(0.45, 0.46, 0.48), up)", "0.7 * mix(low, vec3(0.45, 0.46, 0.48), up)")
 )
 LIGHTS = {"studio": STUDIO, "raking": RAKING}
 SKIN = "vec3 spread = vec3(0.42, 0.20, 0.14); vec3 low = vec3(0.40, 0.325, 0.305); vec2 gloss = vec2(0.085, 0.05);"
@@ -46,7 +45,7 @@ HOOK = "//VTK::Light::Impl"
 
 
 def paint(actor: Any, material: str, density: tuple[float, float] | None = None, light: str = "studio") -> None:
-    """Give an actor a material (``SKIN`` or ``BONE``), opaque or with a ``density`` that grows towards the outline; ``light`` of ``LIGHTS``."""
+    """Give an actor a material (``SKIN`` or ``BONE``) under a ``light``, opaque or with a ``density`` that grows towards the outline."""
     if density is None:
         end = "fragOutput0.rgb = lit;"
     else:

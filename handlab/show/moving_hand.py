@@ -68,6 +68,12 @@ class MovingHand:
         self._history.clear()
         self.wardrobe.drop()
 
+    def adopt(self, hand: Hand) -> None:
+        """Go on with another hand of the same size, relaxed. Its soft skin must be prepared anew."""
+        self.hand = hand
+        self.wardrobe = Wardrobe(hand, self.wardrobe.wear, self.wardrobe.muscles)
+        self._start_over()
+
     def refresh(self) -> None:
         """Let the next tick give a frame, though nothing moves."""
         self._stale = True

@@ -23,7 +23,7 @@ Messages, client to host (``n``, a number that the next frame echoes, may stand 
 ``reset``   relaxed hand, no contraction, nothing held, no clip
 ``record``  ``on``: the motion from ``true`` to ``false`` becomes the clip ``my clip``
 ``save``    ``what: "pose" | "clip"``: answered by a ``file``
-``load``    ``text`` (a pose or a clip that was saved), ``name`` of the file
+``load``    ``text`` (a pose or a clip that was saved, or a painted muscle), ``name`` of the file
 ``export``  ``format: "mp4" | "gif" | "glb" | "html" | "csv" | "png"``, ``look: {view, skin, bones, layers}``; becomes a wish
 ``wear``    ``skin: "blend" | "springs" | "springs and muscles"``, ``muscles: "both" | "pseudo" | "geometric"`` (both optional)
 ``layers``  from now on frames tell where the geometric muscles are; answered by ``layers``
@@ -200,9 +200,12 @@ class Session(KeepingHand):
             self._replies.append({"kind": "track", "clip": self.clip_name, "seconds": self._seconds, "data": keepsakes.track(self.clip)})
 
     def _layers(self, message: Mapping[str, Any]) -> None:
+        self.segments = True
+        self._tell_layers()
+
+    def _tell_layers(self) -> None:
         from handlab.show.flesh import packed_layers
 
-        self.segments = True
         self._replies.append({"kind": "layers", "data": packed_layers(self.hand)})
         self._stale = True
 

@@ -15,6 +15,7 @@ from handlab.show.colours import INK
 from handlab.show.figures import line
 from handlab.show.moments import Moment, story
 from handlab.show.outputs import checked
+from handlab.show.save import save_figure
 from handlab.show.scene import Scene, skin_name
 from handlab.show.views import LENS_DEG, Camera, camera, view_name
 from handlab.show.wall_plots import SMALL, heading, wall
@@ -78,10 +79,7 @@ def two_hands(
         name = f" ({keys.name})" if keys.name else ""
         heading(figure, f"The same contraction{name} on two hands: {dof}", note)
     if out is not None:
-        from handlab.simulation.writing import whole_file
-
-        with whole_file(out) as temporary:
-            figure.savefig(temporary, format="png", dpi=100)
+        save_figure(figure, out)
     return figure
 
 

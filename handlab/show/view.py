@@ -63,6 +63,7 @@ def view(
     view: str = "palm",
     skin: str = "solid",
     height: int = 680,
+    painted: Any = None,
     **more: Any,
 ) -> View:
     """Look at ``hand`` relaxed, at a state of it, or at a recorded clip.
@@ -72,13 +73,18 @@ def view(
     widget, picture and page that works here is taken. Which one, and why, is printed and stands in ``.kind`` and ``.why``.
 
     ``view``, ``skin``, ``bones``, ``layers`` as in ``save``; ``height`` in pixels. For the widget: ``hold`` joints that are held; ``wear``,
-    ``muscles`` as in ``simulate``, with a soft skin by default. Other kinds show the skin that the clip or state has.
+    ``muscles`` as in ``simulate``, with a soft skin by default. Other kinds show the skin that the clip or state has. ``painted`` muscles,
+    as in ``simulate``, swell and are seen in a hand or state; a clip already has those of its hand.
 
     Raises ``UnknownName`` for an unknown kind or view, and says what is missing if a kind that was asked for cannot work here.
     """
     from handlab.show.scene import skin_name
     from handlab.show.views import view_name
 
+    if painted is not None:
+        from handlab.simulation.painted import with_painted
+
+        hand = with_painted(hand, painted)
     look = {"view": view_name(view), "skin": skin_name(skin), **more}
     if kind is not None:
         chosen = find(kind, KINDS, kind="kind of view")

@@ -82,9 +82,14 @@ class HandView:
         muscles: str = "both",
         height: int = 680,
         skin_points: bool = False,
+        painted: Any = None,
         tones: Any = None,
         **options: Any,
     ) -> None:
+        if painted is not None:
+            from handlab.simulation.painted import with_painted
+
+            hand = with_painted(hand, painted)
         self.hand = hand
         self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points, tones=tones)
         self._preparing: threading.Thread | None = None
@@ -124,6 +129,8 @@ class HandView:
             return
         with self._lock:
             self.session.ready()
+            self._preparing = None
+            self._dress()  # muscles were painted meanwhile
             self._push()
 
     def prepare(self) -> None:

@@ -67,8 +67,8 @@ class GeometricMuscles:
 
 @per_hand
 def geometric_muscles(hand: Hand) -> GeometricMuscles:
-    """The shipped muscles, fitted to ``hand`` once."""
-    return muscles_of(hand, load_grids())
+    """The muscles of ``hand``, shipped or painted, fitted to it once."""
+    return muscles_of(hand, load_grids() if hand.grids is None else hand.grids)
 
 
 def muscles_of(hand: Hand, grids: Iterable[MuscleGrid]) -> GeometricMuscles:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import floor, isfinite
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,7 @@ def simulate(
     laws: Laws = SOUND,
     skin: str = "blend",
     muscles: str = "both",
+    painted: Any = None,
     progress: Callable[[float], None] | None = None,
 ) -> Clip:
     """The motion that key frames (or the name of a clip, a mapping, a file) give, from ``start`` or the relaxed hand.
@@ -40,11 +42,16 @@ def simulate(
 
     ``skin``: ``"blend"`` (bones alone move it; default, because numbers need no more and it is thirty times faster), ``"springs"``, or
     ``"springs and muscles"`` (and geometric muscles swell below it); recorded frame by frame. ``muscles``: ``"both"``, ``"pseudo"``
-    (bones turn, nothing swells by contraction) or ``"geometric"`` (muscles swell, all bones stand still).
+    (bones turn, nothing swells by contraction) or ``"geometric"`` (muscles swell, all bones stand still). ``painted``: muscles that swell
+    besides the shipped ones: a grid, several, a ``PaintPanel`` or a folder; the clip's hand has them then.
 
     Substeps lie on one grid of ``laws.substep`` from time 0, whatever the frame rate: 24, 30, 60 or 97 frames a second show the
     same motion. A frame between two substeps is interpolated linearly.
     """
+    if painted is not None:
+        from handlab.simulation.painted import with_painted
+
+        hand = with_painted(hand, painted)
     keys = keyframes(source).for_hand(hand)
     used, chosen = chosen_names(muscles, skin)
     held = hand.joints if used == "geometric" else hold

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -48,7 +50,7 @@ def valleys(hand: Hand, fine_points: ArrayLike, angle: ArrayLike) -> Array:
     station, height, place = outline(hand, fine_points, angle)
     top = [near[height[near].argmax()] for near in (np.flatnonzero(np.abs(station - x) < BESIDE) for x in place)]
     found = []
-    for one, other in zip(top[:-1], top[1:], strict=True):
+    for one, other in pairwise(top):
         low, high = sorted((one, other))
         between = slice(low, high + 1)
         chord = np.interp(station[between], station[[low, high]], height[[low, high]])

@@ -69,6 +69,8 @@ def photograph(
     shape = tuple(np.ceil((corner + shift).max(axis=0) + MARGIN_MM * PX_PER_MM).astype(int)[::-1].tolist())
     seen, ruler = seen + shift, ruler + shift
     places = {name: project(np.array([[at @ across, at @ up]]), np.array([at @ towards]))[0] + shift for name, at in marks.items()}
+    a, b, c = (seen[faces[:, i]] for i in range(3))
+    faces = faces[(b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) < (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])]  # those that face the camera
     front, _ = foremost(seen, height, faces, shape)
     picture = np.tile(GROUNDS[ground], (*shape, 1))
     _draw_ruler(picture, ruler)

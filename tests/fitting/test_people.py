@@ -174,3 +174,15 @@ def test_a_real_picture_gives_its_outline_and_plausible_lengths(name):
     for k, mean in ((1, 105.1), (2, 81.8), (3, 92.3), (4, 88.3), (5, 70.5)):
         digit = sum(length for (near, _), length in lengths.items() if near[-1] == str(k) and (k == 1 or not near.startswith("cmc")))
         assert 0.85 < digit / mean < 1.25, (k, digit)
+
+
+@pytest.mark.parametrize(("name", "click", "coin"), [("hand_a.jpg", (282, 1640), "1 euro"), ("hand_b.jpg", (1156, 182), "2 euro")])
+def test_one_click_on_a_coin_in_a_real_picture_gives_the_scale_within_one_percent(name, click, coin):
+    """They were scanned at 200 dots per inch, which is the known scale."""
+    if not PHOTOS or not (Path(PHOTOS) / name).is_file():
+        pytest.skip("HANDLAB_PHOTOS names no folder with the two real pictures")
+    row = json.loads(ANNOTATED.read_text(encoding="utf-8"))[name]
+    fit = fit_photo(Path(PHOTOS) / name, landmarks=row["landmarks"], scale={"coin": click, "name": coin}, view=row["view"])
+    assert fit.scale.mm_per_px == pytest.approx(25.4 / 200.0, rel=1e-4)
+    assert fit.camera_mm is None
+    assert "scanner, 200 dots per inch; coin" in fit.scale.how

@@ -86,6 +86,14 @@ def test_compiled_and_readable_sums_agree():
     assert warp(np.empty((0, 3))).shape == (0, 3)
 
 
+@pytest.mark.parametrize("count", [0, 1, rbf.TWO_THREADS - 1, rbf.TWO_THREADS, 30_001])
+def test_many_points_are_warped_as_few_are(count):
+    source, target, _ = points_like_a_hand(5)
+    query = np.random.default_rng(0).normal(size=(count, 3)) * 0.1
+    warp = rbf.fitted(source, target)
+    np.testing.assert_allclose(warp(query), rbf.warped_numpy(warp, query), atol=1e-13)
+
+
 def test_the_jacobian_is_the_derivative():
     source, target, query = points_like_a_hand(3)
     warp, query, step = rbf.fitted(source, target), query[:200], 1e-6

@@ -124,6 +124,8 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             self.tell({"kind": "answer", "good": False, "text": f"no soft skin: {error}"})
             return
         session.ready()
+        self._preparing = False
+        self._dress()  # muscles were painted meanwhile
         self._pass_on()
         self._wake.set()
 

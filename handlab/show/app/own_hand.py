@@ -38,8 +38,9 @@ class OwnHands:
 
         if word not in self._rooms:
             self._rooms[word] = FitRoom(move=self._move)
-            while len(self._rooms) > MOST_ROOMS:
-                self._rooms.popitem(last=False)
+            others = [name for name in self._rooms if name not in (word, GIVEN)]
+            for name in others[: max(len(others) - MOST_ROOMS + 1, 0)]:
+                del self._rooms[name]
         self._rooms.move_to_end(word)
         return self._rooms[word]
 

@@ -25,6 +25,8 @@ WAITING = f"<p style='{LOOK}'>The hand is on its way ...</p>"
 BEFORE_TRAME = """
 const query = new URLSearchParams(location.search);
 sessionStorage.setItem("handlab-key", query.get("secret"));
+if (query.has("fit")) sessionStorage.setItem("handlab-fit", query.get("fit")); // the room of the picture that the command was given
+query.delete("fit");
 query.set("sessionURL", location.protocol.replace("http", "ws") + "//" + location.host + "/ws");
 history.replaceState({}, "", "?" + query);
 """

@@ -63,9 +63,9 @@ function transport(session, secret, own) {
 
 /** The page "Your own hand" over the live hand; clicks and picture stay in this browser, so that a reload loses nothing. */
 function ownHand(secret) {
-  const room = new URLSearchParams(location.search).get("fit") ?? sessionStorage.getItem("handlab-room") ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  const given = sessionStorage.getItem("handlab-fit"); // the command was given a picture, which waits in this room
+  const room = given ?? sessionStorage.getItem("handlab-room") ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
   sessionStorage.setItem("handlab-room", room);
-  const given = new URLSearchParams(location.search).has("fit");
   const box = document.createElement("div");
   box.id = "handlab-fit";
   box.style.cssText = "position:fixed;inset:0;z-index:20;background:#fff";
@@ -91,7 +91,10 @@ function ownHand(secret) {
       page = await fit(box, { ask, store: await store(given ? room : ""), close: own.close, async reference() { await ask({ kind: "reference" }); own.close(); } });
       window.handlabFit = page;
     },
-    close() { box.remove(); },
+    close() {
+      sessionStorage.removeItem("handlab-fit");
+      box.remove();
+    },
   };
   if (given) own.open();
   return own;
@@ -115,10 +118,10 @@ async function store(word) {
     async read() {
       try {
         const clicks = JSON.parse(localStorage.getItem(name) ?? "null"), picture = await run("readonly", (all) => all.get(name));
-        return { ...clicks, picture: picture?.blob ?? null, name: picture?.name ?? clicks?.name };
+        return { clicks: clicks?.clicks, of: clicks?.of, picture: picture?.blob ?? null, name: picture?.name };
       } catch { return null; }
     },
-    clicks(clicks, picture) { try { localStorage.setItem(name, JSON.stringify({ clicks, name: picture })); } catch { /* a full disk: the page goes on */ } },
+    clicks(clicks, of) { try { localStorage.setItem(name, JSON.stringify({ clicks, of })); } catch { /* a full disk: the page goes on */ } },
     picture: (blob, file) => run("readwrite", (all) => all.put({ blob, name: file }, name)),
   };
 }

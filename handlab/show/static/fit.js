@@ -63,9 +63,9 @@ class Page {
     this.coin = this.told.coins[this.told.coins.indexOf("2 euro")] ?? this.told.coins[0];
     const kept = this.transport.store ? await this.transport.store.read() : null;
     if (this.told.picture) {
-      const same = kept?.clicks && kept.name === this.told.picture.name;
+      const same = kept?.clicks && kept.of === this.mark(this.told.picture);
       await this.show(this.told.picture, same ? kept.clicks : this.told.clicks);
-    } else if (kept?.picture) await this.open(kept.picture, kept.name, kept.clicks);
+    } else if (kept?.picture) await this.open(kept.picture, kept.name, kept);
     if (this.picture) this.go(this.due());
   }
 
@@ -141,7 +141,7 @@ class Page {
     if (/\.(csv|json)$/i.test(file.name)) this.readPoints(file); else this.open(file, file.name);
   }
 
-  async open(blob, name, clicks = null) {
+  async open(blob, name, kept = null) {
     if (blob.size > LARGEST) { this.say({ text: `${name} has ${Math.round(blob.size / 1e6)} MB; up to ${LARGEST / 1e6} MB can be read: save it as JPEG.` }); return; }
     const start = performance.now();
     this.busy("reading the picture ...");
@@ -150,12 +150,12 @@ class Page {
     if (!reply.good) { this.say(reply); return; }
     this.stats.picture_ms = performance.now() - start;
     await this.transport.store?.picture(blob, name);
-    if (!this.transport.store && !clicks) clicks = reply.clicks; // the host remembers this very picture
+    const clicks = kept?.clicks && kept.of === this.mark(reply.picture) ? kept.clicks : reply.clicks; // a notebook remembers this very picture
     this.result = this.sketch = null;
     this.history = [];
     this.ruler = [];
     this.asked = null;
-    await this.show(reply.picture, clicks ?? empty());
+    await this.show(reply.picture, clicks);
     this.go(this.due());
   }
 
@@ -187,6 +187,7 @@ class Page {
     this.history.push(JSON.stringify({ clicks: this.clicks, ruler: this.ruler }));
     if (this.history.length > 400) this.history.shift();
     act();
+    if (this.from === "page") { this.message.hidden = true; this.doubted = null; }
     this.result = null;
     if (this.step === "hand") { this.step = "points"; this.root.dataset.step = "points"; }
     this.keep();
@@ -211,7 +212,8 @@ class Page {
     if (this.step === "hand" || (this.step === "points" && this.due() === "scale")) this.go(this.due()); else { this.panel(); this.paint(); }
   }
 
-  keep() { this.transport.store?.clicks(this.clicks, this.picture?.name); }
+  keep() { if (this.picture) this.transport.store?.clicks(this.clicks, this.mark(this.picture)); }
+  mark({ name, width, height }) { return `${name}, ${width} x ${height}`; } // which picture the clicks belong to
 
   put(place) {
     if (this.step === "scale") this.putScale(place);
@@ -296,8 +298,8 @@ class Page {
     this.scale = reply.scale ?? null;
     this.sketch = reply.sketch ?? (reply.trouble ? this.sketch : null);
     if (this.placed().length < 4) this.sketch = null;
-    if (!reply.good || reply.trouble) { this.say(reply.trouble ?? reply); if (!reply.good && this.waiting) this.change(() => { this.clicks.scale = {}; }); }
-    else if (!this.finishing) this.hush();
+    if (!reply.good || reply.trouble) { this.say(reply.trouble ?? reply, "clicks"); if (!reply.good && this.waiting) this.change(() => { this.clicks.scale = {}; }); }
+    else if (this.from === "clicks") this.hush(); // other messages stay until the user does something
     if (this.waiting && reply.good && this.scale) { this.waiting = false; this.go("points"); return; }
     this.waiting = false;
     this.live();
@@ -332,6 +334,15 @@ class Page {
     const reply = await this.ask({ kind: "move", clicks: this.clicks });
     this.busy(null);
     if (reply.good && this.transport.close) this.transport.close(); else this.say({ ...reply, text: reply.said ?? reply.text });
+  }
+
+  async guess() { // points are looked for in the outline; a person corrects them
+    this.busy("looking for the points ...");
+    const reply = await this.ask({ kind: "find", view: this.clicks.view });
+    this.busy(null);
+    if (!reply.good) { this.say(reply); return; }
+    this.change(() => { this.clicks.landmarks = { ...reply.landmarks, ...this.clicks.landmarks }; });
+    this.say({ text: "These are guesses. Drag every point to its place, above all the joints; then make the hand." });
   }
 
   async fetch(what) {
@@ -513,7 +524,7 @@ class Page {
       if (guess) { const [cx, cy] = this.onScreen(guess); svg.append(draw("circle", { cx, cy, r: 15, class: "guess dark" }), draw("circle", { cx, cy, r: 15, class: "guess" })); }
     }
     if (this.step === "points" || this.step === "hand") {
-      for (const [name, place] of this.placed()) this.mark(drag?.moved && drag.key === name ? drag.place : place, this.step === "hand" ? "small" : this.doubted?.includes(name) ? "bad" : name === this.last ? "last" : "", this.doubted?.includes(name) ? this.point(name).text : "");
+      for (const [name, place] of this.placed()) this.ring(drag?.moved && drag.key === name ? drag.place : place, this.step === "hand" ? "small" : this.doubted?.includes(name) ? "bad" : name === this.last ? "last" : "", this.doubted?.includes(name) ? this.point(name).text : "");
     }
     if (clicks.landmarks) this.paintDrawing();
   }
@@ -539,7 +550,7 @@ class Page {
     }
   }
 
-  mark(place, kind, label) {
+  ring(place, kind, label) {
     const [cx, cy] = this.onScreen(place), r = kind === "small" ? 3.5 : kind === "last" ? 8 : 6.5;
     this.svg.append(draw("circle", { cx, cy, r: r + 2, class: `mark casing ${kind}` }), draw("circle", { cx, cy, r, class: `mark ring ${kind}` }), draw("circle", { cx, cy, r: 2, class: `mark core ${kind}` }));
     if (label) { const text = draw("text", { x: cx + 14, y: cy + 5, class: "bad" }); text.textContent = label; this.svg.append(text); }
@@ -610,7 +621,7 @@ class Page {
       make("div", { className: "hf-words" }, make("small", { textContent: name ? `${placed + 1} of ${total}` : `${placed} points` }), make("h2", { textContent: one ? one.text : "All points are there" }),
         make("p", { textContent: one ? (this.clicks.view === "palmar" ? one.palm : one.hint) : "Drag a point to correct it." }))),
     make("div", { className: "hf-bar" }, ...this.told.points.map(({ name: own }) => make("i", { className: own === name ? "now" : this.clicks.landmarks[own] ? "done" : own in this.clicks.landmarks ? "skipped" : "" }))),
-    this.tools(push("skip", () => { this.stats.actions += 1; this.skip(); }, { className: "hf-btn", disabled: !name, data: { act: "skip" }, title: "leave this point out (S)" }), done), this.info, this.files()];
+    this.tools(placed ? null : push("guess all", () => { this.stats.actions += 1; this.guess(); }, { className: "hf-btn", data: { act: "find" }, title: "look for the points in the outline of the hand; you correct them" }), push("skip", () => { this.stats.actions += 1; this.skip(); }, { className: "hf-btn", disabled: !name, data: { act: "skip" }, title: "leave this point out (S)" }), done), this.info, this.files()];
   }
 
   tools(...more) {
@@ -626,11 +637,11 @@ class Page {
   }
 
   cameraField(then = () => {}) {
-    const { camera_mm: said } = this.clicks, known = said ?? this.result?.camera_mm;
+    const { camera_mm: said } = this.clicks, known = said ?? this.result?.camera_mm, scan = said === 0 || (!known && !!this.result);
     const put = (mm) => { this.change(() => { this.clicks.camera_mm = mm; }); then(); };
     const camera = make("input", { type: "text", inputMode: "decimal", value: known ? Math.round(known / 10) : "", placeholder: "?", data: { camera: "" }, aria: { label: "height of the camera above the table in centimetres" } });
     camera.onchange = () => put(camera.value.trim() ? 10 * Number(camera.value.replace(",", ".")) : null);
-    return make("div", { className: "hf-camera" }, make("label", {}, "camera ", camera, " cm above the table"), push(said === 0 ? "it is no scan" : "it is a scan", () => put(said === 0 ? null : 0), { className: "hf-link" }));
+    return make("div", { className: "hf-camera" }, scan ? make("span", { textContent: "a scan, without perspective" }) : make("label", {}, "camera ", camera, " cm above the table"), push(scan ? "it is a photograph" : "it is a scan", () => put(scan ? 600 : 0), { className: "hf-link" }));
   }
 
   handPanel() {
@@ -690,7 +701,8 @@ class Page {
 
   // ---- words
 
-  say({ text, names = [], choices = [] }) {
+  say({ text, names = [], choices = [] }, from = "page") {
+    this.from = from;
     this.doubted = names;
     this.message.replaceChildren(make("p", { textContent: text }), ...choices.map(({ label, answer }) => push(label, () => { this.stats.actions += 1; this.answer(answer); }, { className: "hf-btn" })));
     this.message.hidden = false;

@@ -20,6 +20,7 @@ export class Flesh {
     this.points = new Float32Array(3 * count);
     this.own = new Float32Array(count); // which muscle or tendon a point belongs to
     all.forEach((one, k) => this.own.fill(k, one.first, one.end));
+    this.segments = layers.muscles.reduce((sum, m) => sum + m.segments * m.fibres, 0);
     this.split = layers.tendons.length ? layers.tendons[0].corner : this.faces.length;
     let along = 0, across = 0;
     this.places = layers.muscles.map((m) => {

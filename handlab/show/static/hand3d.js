@@ -332,7 +332,7 @@ export class Hand3D {
   fleshShown() {
     const { muscles, tendons, skin } = this.look;
     if (!this.flesh || skin === "solid") return [0, 0];
-    const some = muscles && this.segments;
+    const some = muscles && this.segments?.length === 10 * this.flesh.segments; // a frame may be older than the muscles
     return [some ? 0 : this.flesh.split, tendons ? this.flesh.faces.length : this.flesh.split];
   }
 

@@ -210,7 +210,7 @@ class Viewer {
     bar.append(
       button("reset", () => { this.hand.view(this.options.view || "palm"); this.showLook(); this.send({ kind: "reset" }); }, { className: "hl-btn", title: "relaxed hand, nothing held" }),
       ...(live ? [this.record, this.menu("keep", [
-        ["Save pose", () => this.send({ kind: "save", what: "pose" })], ["Save clip", () => this.send({ kind: "save", what: "clip" })], ["Load pose or clip ...", () => file.click()],
+        ["Save pose", () => this.send({ kind: "save", what: "pose" })], ["Save clip", () => this.send({ kind: "save", what: "clip" })], ["Load pose, clip or muscle ...", () => file.click()],
       ]), file] : []),
       this.menu("export", formats.map((format) => [EXPORTS[format], () => this.export(format), { data: { export: format } }])),
     );

@@ -18,6 +18,7 @@ from PIL import Image, ImageDraw
 
 import handlab as hl
 from handlab.fitting.landmarks import read_landmarks
+from handlab.show.complexion import complexion
 from handlab.show.fit_words import ORDER
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "fitting"))  # for people.py and photograph.py
@@ -134,6 +135,12 @@ class User:
         return self.page.inner_text(".hf-say p")
 
 
+def finished(page):
+    """Wait until the hand is there; a refusal is told."""
+    page.wait_for_selector("[data-act=move], .hf-say:not([hidden])")
+    assert page.query_selector("[data-act=move]"), page.inner_text(".hf-say")
+
+
 def settled(page):
     page.wait_for_function("!handlabFit.sending && !handlabFit.painting")
 
@@ -152,7 +159,10 @@ def tab(chromium):
     def fresh(served, address=None):
         page = context.new_page()
         page.on("pageerror", lambda error: trouble.append(f"error: {error}"))
-        page.on("console", lambda message: message.type == "error" and trouble.append(f"console: {message.text}"))
+        page.on(
+            "console",
+            lambda message: message.type == "error" and "status of 40" not in message.text and trouble.append(f"console: {message.text}"),
+        )
         page.goto(address or served.address)
         page.wait_for_function("window.handlab && handlab.stats.first_ms > 0")
         if address is None:
@@ -191,7 +201,7 @@ def test_from_a_photograph_to_a_hand_that_moves_takes_35_clicks_and_less_than_90
         if shown_from is None and page.query_selector(".hf-stage path.outline"):
             shown_from = count
     assert shown_from == 4  # the outline is there as soon as points determine a warp
-    page.wait_for_selector("[data-act=move]")
+    finished(page)
     assert float(page.inner_text(".hf-chips .iou").split()[1]) > 90.0
     assert "back of a left hand" in page.inner_text(".hf-chips")
     shown = [float(text) for text in page.locator(".hf tbody tr").nth(2).locator("b").all_inner_texts()]  # of the middle finger
@@ -211,24 +221,24 @@ def test_from_a_photograph_to_a_hand_that_moves_takes_35_clicks_and_less_than_90
     assert user.keys <= 5
     assert 60.0 < user.seconds() < 86.0  # what is left to 90 s is the machine's
     told = page.evaluate("handlabFit.stats")
+    waits = [f"{np.median(told[key]):.0f}" for key in ("latency_ms", "server_ms")]
     with capsys.disabled():
+        print(f"\n  person (estimate): {user.clicks} clicks, {user.keys} keys, {user.seconds():.0f} s; all of this test: {machine:.1f} s")
         print(
-            f"\n  person (estimate): {user.clicks} clicks, {user.keys} keys, {user.seconds():.0f} s; machine, all waits of this test: {machine:.1f} s"
-            f"\n  picture {told['picture_ms']:.0f} ms, outline after a click: median {np.median(told['latency_ms']):.0f} ms"
-            f" (host {np.median(told['server_ms']):.0f} ms), hand {told['fit_ms']:.0f} ms"
+            f"  picture {told['picture_ms']:.0f} ms, outline after a click {waits[0]} ms (host {waits[1]} ms), hand {told['fit_ms']:.0f} ms"
         )
 
 
 def test_the_hand_that_moves_wears_the_colours_of_the_photograph(ready, shot):
     page, marks = ready.page, shot.clicks(np.random.default_rng(0))
     ready.put(marks)
-    page.wait_for_selector("[data-act=move]")
+    finished(page)
     ready.press("[data-act=move]")
     page.wait_for_function("window.handlab && handlab.scene.hand === 'my hand'")
     tone = np.array(page.evaluate("Array.from(handlab.scene.arrays.fine_tone)")).reshape(-1, 3).mean(axis=0)
     skin = shot.pixels[shot.outline].mean(axis=0)
     assert np.abs(tone / tone.sum() - skin / skin.sum()).max() < 0.02  # the same hue
-    assert np.abs(tone - hl.show.complexion.complexion(hl.load_hand()).mean(axis=0)).max() > 8
+    assert np.abs(tone - complexion(hl.load_hand()).mean(axis=0)).max() > 8
     page.click("[data-act=own-hand]")  # the page is as it was left
     page.click(".hf-steps li[data-step=photo] button")
     page.click("text=move the reference hand again")
@@ -309,7 +319,7 @@ def test_a_host_that_forgot_the_picture_gets_it_again_and_clicks_go_on(ready, sh
     for other in range(5):  # more rooms than the host keeps
         assert posted(served, f"another-tab-{other}", jpeg.read_bytes())[0] == 200
     ready.put(shot.marks, ORDER[8:])
-    ready.page.wait_for_selector("[data-act=move]")
+    finished(ready.page)
 
 
 def test_points_saved_as_a_file_read_back_exactly_and_another_page_opens_them(ready, shot, jpeg, tmp_path, tab, served):
@@ -368,19 +378,20 @@ def bomb():
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b"")
 
 
-@pytest.mark.parametrize("kind", ["text", "cut off", "bomb", "empty"])
-def test_a_file_that_is_no_picture_is_told_in_one_sentence_and_clicks_stay(ready, shot, jpeg, tmp_path, kind):
-    ready.put(shot.marks, ORDER[:3])
-    before = state(ready.page)
-    file = tmp_path / "bad.jpg"
-    file.write_bytes({"text": b"dear hand", "cut off": jpeg.read_bytes()[:9000], "bomb": bomb(), "empty": b""}[kind])
-    ready.page.set_input_files(".hf > input[accept*=heic]", file)
-    said = ready.told()
-    assert "bad.jpg" in said
-    assert "Traceback" not in said
-    assert state(ready.page) == before
-    ready.put(shot.marks, ORDER[3:5])
-    assert len(state(ready.page)["landmarks"]) == 5
+def test_a_file_that_is_no_picture_is_told_in_one_sentence_and_clicks_stay(ready, shot, jpeg, tmp_path):
+    contents = {"text": b"dear hand", "cut-off": jpeg.read_bytes()[:9000], "bomb": bomb(), "empty": b""}
+    for count, (kind, content) in enumerate(contents.items(), start=3):
+        ready.put(shot.marks, [name for name in ORDER[:count] if name not in state(ready.page)["landmarks"]])
+        before = state(ready.page)
+        file = tmp_path / f"{kind}.jpg"
+        file.write_bytes(content)
+        ready.page.set_input_files(".hf > input[accept*=heic]", file)
+        said = ready.told()
+        assert f"{kind}.jpg" in said
+        assert "Traceback" not in said
+        settled(ready.page)
+        assert ready.page.is_visible(".hf-say")  # an answer to clicks does not wipe it away
+        assert state(ready.page) == before
 
 
 def test_a_hand_of_40_cm_is_asked_about_and_the_answer_counts(user, jpeg, shot):
@@ -393,7 +404,7 @@ def test_a_hand_of_40_cm_is_asked_about_and_the_answer_counts(user, jpeg, shot):
     assert "sure" not in said
     assert len(state(user.page)["landmarks"]) == 26
     user.press(".hf-say button >> text=Yes")
-    user.page.wait_for_selector("[data-act=move]")
+    finished(user.page)
     assert float(user.page.inner_text(".hf-head b").split()[0]) > 350.0
 
 
@@ -408,7 +419,7 @@ def test_index_and_ring_exchanged_are_noticed_and_exchanged_back_by_one_click(re
     assert "Tip of the ring finger" in said
     assert "_" not in said
     ready.press(".hf-say button >> text=Exchange them")
-    ready.page.wait_for_selector("[data-act=move]")
+    finished(ready.page)
     found = state(ready.page)["landmarks"]
     assert np.linalg.norm(np.array(found["tip_index"]) - shot.marks["tip_index"]) < 3.0
 
@@ -424,7 +435,7 @@ def test_two_points_in_one_place_are_told_and_one_is_clicked_again(ready, shot):
     ready.press(".hf-say button >> text=Tip of the ring finger")
     ready.page.wait_for_selector(".hf-drawing circle.now[data-point=tip_ring]", state="attached")
     ready.put(shot.marks, ["tip_ring", *ORDER[9:]])
-    ready.page.wait_for_selector("[data-act=move]")
+    finished(ready.page)
 
 
 def posted(served, word, body, *, key=None, kind="application/octet-stream", **headers):
@@ -446,7 +457,12 @@ def test_the_page_s_address_is_guarded_as_all_others_and_takes_no_flood(served, 
     assert posted(served, "some-tab-word", b"{not json", kind="application/json")[0] == 400
     status, said = posted(served, "some-tab-word", b" " * 4_100_000, kind="application/json")
     assert (status, b"MB" in said) == (413, True)
-    for message in ([], {"kind": "fit"}, {"kind": "clicks", "clicks": {"landmarks": {"no_such": [1, 2]}}}, {"kind": "file", "what": "../x"}):
+    for message in (
+        [],
+        {"kind": "fit"},
+        {"kind": "clicks", "clicks": {"landmarks": {"no_such": [1, 2]}}},
+        {"kind": "file", "what": "../x"},
+    ):
         status, said = posted(served, "some-tab-word", json.dumps(message).encode(), kind="application/json")
         assert (status, json.loads(said)["good"]) == (200, False), message
     line = http.client.HTTPConnection(served.host, served.port, timeout=60)
