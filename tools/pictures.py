@@ -42,6 +42,8 @@ def main() -> None:
         "two_hands": hl.two_hands(hand, hl.load_hand("child"), "fist"),
     }.items():
         hl.save(figure, FOLDER / f"{name}.png")
+    hl.bulge_figure(hand, path=FOLDER / "bulge.png")
+    hl.skins_figure(hand, path=FOLDER / "skins.png")
     live_view()
 
 

@@ -35,7 +35,7 @@ def save_hand(hand: Hand, folder: str | os.PathLike[str]) -> Path:
     """Write ``hand`` into ``folder`` (made if it is not there), whole or not at all; ``load_hand(folder)`` gives it back.
 
     An older hand in that folder is replaced. Raises ``FileExistsError`` if the folder holds anything else, ``ValueError`` for a
-    hand that its files could not give back (muscles or joints that differ from the tables, painted muscles), ``OSError`` if it cannot be written.
+    hand that its files could not give back (muscles or joints unlike the tables, painted muscles), ``OSError`` if it cannot be written.
     """
     if hand.grids is not None:
         raise ValueError("painted muscles are not in a hand's files: save_grids(folder, hand.grids), and hand.with_(grids=None).save(...)")

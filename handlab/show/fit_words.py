@@ -55,6 +55,7 @@ _ANSWERS = {
 # What code would write, and what a reader of the page needs instead.
 _PLAIN = (
     (r"[;,] or say sure=True( if it is right)?", ""),
+    (r"; swap them\b", ""),
     (r", or mirror=True if the picture itself is mirrored", ""),
     (r"; give side='\w+' or view='\w+'", "; which is wrong?"),
     (r"; say view='palmar' or view='dorsal' \(or side='right' or side='left'\)", "; which is it?"),

@@ -77,7 +77,7 @@ def skins_figure(
         low, high = (int(np.clip(round(1e3 * v / factor / 0.5), -5, 5)) for v in (rise.min(), rise.max()))
         steps(draw, range(min(low, 0), max(high, 1) + 1), (left + 0.4 * letters, size[1] - letters), 0.82 * letters, factor)
     for k, text in enumerate(told(played, added)):
-        small = fit(draw, text, 0.8 * letters, width - 2 * letters)
+        small = fit(draw, text, 0.68 * letters, width - 2 * letters)
         write(draw, (letters, top + head + (1.5 + 1.3 * k) * letters), text, small, colour=INK if k else FAINT)
     if out is not None:
         store(image, out)
@@ -105,5 +105,5 @@ def told(clip: Clip, added: list[Array]) -> list[str]:
         f"muscles: {muscles.min():+.1f} to {muscles.max():+.1f} mm".replace("-", "−"),
         "points of the skin moved by more than 1 mm:",
         f"springs {100 * np.mean(np.abs(springs) > 1):.0f} %, muscles {100 * np.mean(np.abs(muscles) > 1):.0f} %",
-        "tendons that stand out are drawn in the last picture",
+        "tendons stand out in the third picture",
     ]

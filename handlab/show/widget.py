@@ -68,8 +68,8 @@ class HandView:
 
     ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: how the skin is worn and which muscles
     contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``tones`` (Nf, 3):
-    colours of the fine skin; ``options`` of the
-    viewer: ``skin``, ``bones``, ``view``, ``layers`` (``["muscles", "tendons"]``), ``panels`` (false: the hand only).
+    colours of the fine skin; ``painted`` muscles, as in ``simulate``; ``options`` of the viewer: ``skin``, ``bones``, ``view``,
+    ``layers`` (``["muscles", "tendons"]``), ``panels`` (false: the hand only).
     """
 
     def __init__(

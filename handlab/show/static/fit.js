@@ -59,7 +59,7 @@ class Page {
     this.told = await this.transport.ask({ kind: "hello" });
     if (!this.told.good) { this.say(this.told); return; }
     this.go("photo");
-    this.transport.ask({ kind: "drawings" }).then(({ drawings }) => { this.told.drawings = drawings; this.panel(); });
+    this.transport.ask({ kind: "drawings" }).then(({ drawings }) => { this.told.drawings = drawings; if (!this.side.querySelector("input")) this.panel(); });
     this.coin = this.told.coins[this.told.coins.indexOf("2 euro")] ?? this.told.coins[0];
     const kept = this.transport.store ? await this.transport.store.read() : null;
     if (this.told.picture) {
@@ -123,9 +123,9 @@ class Page {
     this.step = step;
     this.root.dataset.step = step;
     this.hush();
+    if (step !== "photo") this.stage.focus({ preventScroll: true });
     this.panel();
     this.paint();
-    if (step !== "photo") this.stage.focus({ preventScroll: true });
   }
 
   due() { return !this.clicks.view || !this.scaled() ? "scale" : "points"; }
@@ -229,7 +229,6 @@ class Page {
     if (this.kind === "ruler") {
       if (this.ruler.length === 1) this.change(() => { this.clicks.scale = { ruler: [this.ruler[0], place] }; this.ruler = []; this.clicks.sure = false; });
       else this.change(() => { this.ruler = [place]; this.clicks.scale = {}; });
-      this.side.querySelector("input[data-mm]")?.select();
     } else {
       this.change(() => { this.clicks.scale = this.kind === "coin" ? { coin: place, name: this.coin } : { card: place }; this.clicks.sure = false; });
       this.waiting = true; // the coin is looked for: on with the points when it is found
@@ -569,6 +568,9 @@ class Page {
     if (!this.told) return;
     const content = { photo: () => this.photoPanel(), scale: () => (this.clicks.view ? this.scalePanel() : this.viewPanel()), points: () => this.pointsPanel(), hand: () => this.handPanel() }[step]();
     this.side.replaceChildren(...content, this.message);
+    const mm = this.side.querySelector("input[data-mm]"); // at once: what is typed next must go there, and nowhere else
+    mm?.focus();
+    mm?.select();
     this.live();
     this.paintDrawing();
   }
@@ -603,7 +605,6 @@ class Page {
       const mm = make("input", { type: "text", inputMode: "decimal", value: this.clicks.scale.mm ?? this.lastMm, data: { mm: "" }, aria: { label: "distance in millimetres" } });
       mm.onkeydown = (event) => { if (event.key === "Enter") { this.stats.actions += 1; this.setMm(mm.value); } };
       more.push(make("div", { className: "hf-mm" }, mm, make("span", { textContent: "mm" }), push("OK", () => { this.stats.actions += 1; this.setMm(mm.value); }, { className: "hf-main", data: { act: "mm" } })), make("p", { className: "faint", textContent: "10 cm = 100 mm; 1 inch = 25.4 mm." }));
-      setTimeout(() => { if (mm.isConnected) { mm.focus(); mm.select(); } });
     } else if (this.kind === "ruler") more.push(make("p", { textContent: "The wheel goes nearer. Far-off marks make the scale exact: 0 and 10 cm are good." }));
     else if (this.kind === "coin") more.push(make("select", { aria: { label: "coin" }, onchange: (event) => { this.coin = event.target.value; if (this.clicks.scale.coin) this.change(() => { this.clicks.scale = { ...this.clicks.scale, name: this.coin }; }); } }, ...this.told.coins.map((name) => make("option", { value: name, textContent: `${name} (${this.told.coin_mm[name]} mm)`, selected: name === this.coin }))));
     else more.push(make("p", { textContent: "Any card of 85.6 by 54 mm that lies flat and whole." }));

@@ -1,8 +1,9 @@
 // What a software renderer draws while the hand moves: the same points with fewer triangles, because its time goes with their number.
 
-const BONE_CELL = 0.0025; // metres: bones seen through skin that moves, on pixels of half a millimetre
-const SKIN_CELL = 0.002;
+const BONE_CELL = 0.003; // metres: bones seen through skin that moves, on pixels of half a millimetre
+const SKIN_CELL = 0.0024;
 const CORNERS = [0, 0, 2, 3, 3, 5]; // a tendon's six corners become four
+const STRETCHES = [[0.3, 3], [0.5, 2], [1, 1]]; // up to which part of a tendon every how manieth ring stays: it bends in the fingers
 
 // Triangles once every point v has become the point `to[v]`; those that vanish are left out.
 export function merged(faces, to) {
@@ -35,7 +36,7 @@ function standing(points, own, cell) {
 export const leanBones = (points, faces, own) => merged(faces, standing(points, own, BONE_CELL));
 export const leanSkin = (points, faces) => merged(faces, standing(points, () => 0, SKIN_CELL));
 
-// Every second ring of a muscle, four corners of a tendon: triangles, and where those of the tendons begin.
+// Every second ring of a muscle, four corners and some rings of a tendon: triangles, and where those of the tendons begin.
 export function leanFlesh(layers) {
   const { faces } = layers.arrays, { muscles, tendons } = layers, all = [...muscles, ...tendons];
   const to = new Uint16Array(all[all.length - 1].end).map((_, v) => v);
@@ -43,7 +44,12 @@ export function leanFlesh(layers) {
     for (let s = 1; s < m.stations - 1; s += 2) for (let k = 0; k < m.ring; k++) to[m.first + s * m.ring + k] -= m.ring;
   }
   for (const t of tendons) {
-    for (let s = 0; s < t.stations; s++) for (let k = 0; k < layers.round; k++) to[t.first + s * layers.round + k] = t.first + s * layers.round + CORNERS[k];
+    let kept = 0;
+    for (let s = 0; s < t.stations; s++) {
+      const every = STRETCHES.find(([part]) => s <= part * t.stations)[1];
+      if (s - kept >= every || s === t.stations - 1) kept = s;
+      for (let k = 0; k < layers.round; k++) to[t.first + s * layers.round + k] = t.first + kept * layers.round + CORNERS[k];
+    }
   }
   const split = tendons.length ? tendons[0].corner : faces.length;
   const bellies = merged(faces.subarray(0, split), to), sinews = merged(faces.subarray(split), to);

@@ -304,7 +304,7 @@ class Viewer {
   resize() {
     const { clientWidth: w, clientHeight: h } = this.root;
     this.root.dataset.size = w >= 1080 ? "wide" : w >= 640 ? "narrow" : "tiny";
-    this.root.classList.toggle("low", h < 720);
+    this.root.classList.toggle("low", h < 800);
     this.hand.covered = this.lookBar.offsetTop + this.lookBar.offsetHeight;
     if (this.hand.viewName && this.stage.clientWidth) this.hand.fit();
     this.hand.redraw();

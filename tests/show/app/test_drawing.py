@@ -128,3 +128,16 @@ def test_files_that_nobody_fetches_do_not_pile_up(monkeypatch):
         made.close()
 
     asyncio.run(main())
+
+
+@pytest.mark.slow
+def test_a_picture_of_another_hand_is_drawn_with_that_hand(tmp_path):
+    child = hl.load_hand("child")
+    for name, own in (("child", child), ("reference", hl.load_hand())):
+        clip = hl.simulate(own, "fist", seconds=0.05)
+        asyncio.run(draw(clip, tmp_path / f"{name}.png", {"view": "palm", "size": [320, 320]}, tmp_path))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["child.png", "reference.png"]  # nothing is left behind
+    hl.save(hl.simulate(child, "fist", seconds=0.05), tmp_path / "here.png", size=(320, 320))
+    there, here, other = (iio.imread(tmp_path / f"{name}.png")[..., :3].astype(int) for name in ("child", "here", "reference"))
+    assert np.abs(there - here).mean() < 0.5
+    assert np.abs(there - other).mean() > 2.0
