@@ -94,10 +94,10 @@ def confirmed(scale: Scale, picture: Any) -> Scale:
 
     The rounded rim of a coin is dark in a scanner: the coin looks smaller by 0.2 to 0.4 mm, which is 1 to 2 %.
     """
-    from handlab.fitting.lens import SAME_SCALE, scan_mm_per_px
+    from handlab.fitting.lens import camera_distance_mm, scan_mm_per_px
 
-    scan = scan_mm_per_px(picture) if scale.how.startswith(("coin", "card")) else None
-    if scan is None or abs(math.log(scan / scale.mm_per_px)) >= SAME_SCALE:
+    scan = scan_mm_per_px(picture, scale.mm_per_px) if scale.how.startswith(("coin", "card")) else None
+    if scan is None or camera_distance_mm(picture, scale.mm_per_px) is not None:
         return scale
     return Scale(scan, f"scanner, {25.4 / scan:g} dots per inch; {scale.how}")
 

@@ -38,8 +38,7 @@ def camera(picture: Any, mm_per_px: float, size: tuple[int, int]) -> Camera:
     told = camera_distance_mm(picture, mm_per_px, size)
     if told is not None:
         return Camera(told, "focal length in the file")
-    scan = scan_mm_per_px(picture)
-    if scan is not None and abs(math.log(scan / mm_per_px)) < SAME_SCALE:
+    if scan_mm_per_px(picture, mm_per_px) is not None:
         return Camera(None, "a scanner, as its dots per inch tell")
     return Camera(ASSUMED_MM, "assumed")
 
@@ -64,10 +63,12 @@ def camera_distance_mm(picture: Any, mm_per_px: float, size: tuple[int, int] | N
     return distance if NEAREST_MM <= distance <= FARTHEST_MM else None
 
 
-def scan_mm_per_px(picture: Any) -> float | None:
-    """Millimetres per pixel by the dots per inch in a file (or its bytes), equal both ways; None without."""
+def scan_mm_per_px(picture: Any, mm_per_px: float) -> float | None:
+    """Millimetres per pixel by the dots per inch in a file (or its bytes); None without, or where a ruler says otherwise."""
     dots = _notes(picture)[2]
-    return 25.4 / dots[0] if min(dots) > 0.0 and abs(dots[0] / dots[1] - 1.0) < 1e-3 else None
+    if min(dots) <= 0.0 or abs(dots[0] / dots[1] - 1.0) > 1e-3:
+        return None
+    return 25.4 / dots[0] if abs(math.log(25.4 / dots[0] / mm_per_px)) < SAME_SCALE else None
 
 
 def _notes(picture: Any) -> tuple[tuple[int, int], dict[int, Any], tuple[float, float]]:

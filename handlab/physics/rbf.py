@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-7  # of the largest spread: points thinner than this lie in one plane, on one line, or at one place
 SAME = 1e-9  # of the largest spread: points nearer than this are one point
-TWO_THREADS = 10_000  # points: from here on half the work is worth more than a thread costs
+TWO_THREADS = 20_000  # points: from here on half the work is worth more than a thread costs (0.06 ms)
 
 
 class Warp(NamedTuple):

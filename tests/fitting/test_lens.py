@@ -68,7 +68,7 @@ def test_a_focal_length_that_is_no_number_or_absurd_is_not_believed():
 @pytest.mark.parametrize("kind", ["JPEG", "PNG", "TIFF"])
 def test_dots_per_inch_that_agree_with_the_scale_tell_a_scanner(kind):
     scan = file(kind=kind, dpi=(200, 200))
-    assert scan_mm_per_px(scan) == pytest.approx(0.127, rel=2e-4)
+    assert scan_mm_per_px(scan, 0.1285) == pytest.approx(0.127, rel=2e-4)
     assert camera(scan, 0.1285, (400, 300)).distance_mm is None
     assert camera(scan, 0.135, (400, 300)) == (600.0, "assumed")  # 6 % off: the number in the file means nothing
     assert camera(file(kind=kind, dpi=(72, 72)), 0.15, (400, 300)) == (600.0, "assumed")
@@ -80,4 +80,7 @@ def test_a_scanners_resolution_is_better_than_a_coin_but_not_than_a_ruler():
     assert confirmed(Scale(0.1292, "coin, 23.25 mm on 180 px"), scan).mm_per_px == pytest.approx(0.127)
     assert confirmed(Scale(0.1350, "coin, 23.25 mm on 172 px"), scan).mm_per_px == 0.1350
     assert confirmed(Scale(0.1275, "ruler, 150 mm on 1176 px"), scan).mm_per_px == 0.1275
+    telephone = file(dpi=(200, 200), **{FOCAL_35: 400})  # what it says of dots means nothing
+    assert camera_distance_mm(telephone, 0.1292) is not None
+    assert confirmed(Scale(0.1292, "coin, 23.25 mm on 180 px"), telephone).mm_per_px == 0.1292
     assert confirmed(Scale(0.1292, "coin"), np.zeros((9, 9, 3), np.uint8)).mm_per_px == 0.1292

@@ -299,11 +299,12 @@ def test_the_drawing_turns_and_mirrors_as_the_picture_lies(ready, shot):
                 assert np.sign(place[a][axis] - place[b][axis]) == np.sign(shot.marks[a][k] - shot.marks[b][k]), (a, b, axis)
 
 
-def test_a_reload_in_the_middle_loses_nothing(ready, shot):
+def test_a_reload_in_the_middle_loses_nothing_even_if_the_host_forgot(ready, shot, served, jpeg):
     page = ready.page
     ready.put(shot.marks, ORDER[:9])
     settled(page)
     before = state(page)
+    flood(served, jpeg)
     page.reload()
     page.wait_for_function("window.handlab && handlab.stats.first_ms > 0")
     page.click("[data-act=own-hand]")
@@ -316,8 +317,7 @@ def test_a_reload_in_the_middle_loses_nothing(ready, shot):
 def test_a_host_that_forgot_the_picture_gets_it_again_and_clicks_go_on(ready, shot, served, jpeg):
     ready.put(shot.marks, ORDER[:8])
     settled(ready.page)
-    for other in range(5):  # more rooms than the host keeps
-        assert posted(served, f"another-tab-{other}", jpeg.read_bytes())[0] == 200
+    flood(served, jpeg)
     ready.put(shot.marks, ORDER[8:])
     finished(ready.page)
 
@@ -447,6 +447,12 @@ def posted(served, word, body, *, key=None, kind="application/octet-stream", **h
         return answer.status, answer.read()
     finally:
         line.close()
+
+
+def flood(served, jpeg):
+    """More pictures than the host keeps rooms."""
+    for other in range(5):
+        assert posted(served, f"another-tab-{other}", jpeg.read_bytes())[0] == 200
 
 
 def test_the_page_s_address_is_guarded_as_all_others_and_takes_no_flood(served, jpeg):

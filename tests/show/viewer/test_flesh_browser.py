@@ -1,8 +1,11 @@
 """Muscles and tendons in a real browser: where the kernel has them, named, switched."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from handlab.anatomy.grids import as_text, load_grids
 from handlab.show.flesh import ROUND, STRIDE
 from handlab.show.session import Session
 from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles
@@ -81,6 +84,23 @@ def test_a_software_renderer_draws_fewer_triangles_while_the_hand_moves_and_all_
     assert 0.3 * whole < lean < 0.6 * whole
     page.evaluate("handlab.hand.zoom(0.3)")  # from near, every triangle shows
     assert page.evaluate(counted, False) == whole
+
+
+def test_a_painted_muscle_that_is_loaded_is_drawn_with_the_others(soft, hand):
+    shipped = next(one for one in load_grids() if one.name == "abductor_digiti_minimi")
+    text = as_text(replace(shipped, name="impostor", drives=("flexor_pollicis_longus",)))
+    page = soft.page
+    before = page.evaluate("handlab.hand.flesh.all.length")
+    page.evaluate("(text) => handlab.send({kind: 'load', text, name: 'impostor.json'})", text)
+    page.wait_for_function("handlab.hand.flesh.all.some((one) => one.name === 'impostor')")
+    page.evaluate("handlab.send({kind: 'set', contraction: {FPL: 0.5}})")
+    page.wait_for_function("handlab.hand.segments?.length === 10 * handlab.hand.flesh.segments")
+    assert page.evaluate("handlab.hand.flesh.all.length") == before + 1
+    soft.settled()
+    points = array(page, "flesh.points").reshape(-1, 3)
+    assert np.isfinite(points).all() and np.abs(points).max() < 0.3
+    one = page.evaluate("handlab.hand.flesh.all.find((one) => one.name === 'impostor')")
+    assert np.ptp(points[one["first"] : one["end"]], axis=0).max() > 0.02
 
 
 def test_muscles_and_tendons_show_under_translucent_skin_and_go_again(soft):
