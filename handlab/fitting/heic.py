@@ -15,7 +15,7 @@ def readable(data: bytes) -> bool:
     if not is_heic(data):
         return False
     try:
-        from pillow_heif import register_heif_opener
+        from pi_heif import register_heif_opener
     except ImportError:
         return False
     register_heif_opener()

@@ -149,6 +149,7 @@ HEIC_HEAD = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
 def test_a_heic_picture_comes_upright_and_tells_the_distance_of_its_camera():
     """Stored lying on its side, with the turn that its EXIF data ask for, as telephones do."""
     heif = pytest.importorskip("pillow_heif")
+    pytest.importorskip("pi_heif")
     notes = exif(t274=6)  # turn it by 90 degrees clockwise to see it upright
     notes.get_ifd(EXIF_IFD)[FOCAL_35] = 26
     stored = Image.fromarray(np.rot90(scene(400, 300), 1).copy())
@@ -164,7 +165,7 @@ def test_a_heic_picture_comes_upright_and_tells_the_distance_of_its_camera():
 
 
 def test_a_heic_picture_names_the_package_that_reads_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pillow_heif", None)
+    monkeypatch.setitem(sys.modules, "pi_heif", None)
     with pytest.raises(ValueError, match=r'pip install "handlab\[photo\]"'):
         load_picture(HEIC_HEAD + b"\0" * 100)
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 RATE = 60.0  # frames per second at most
 SHORTEST = 0.004  # s between two steps, however many messages come
+PATIENCE = 0.08  # s between two steps while every page still draws: less than the longest step of a session
 CREDIT = 2  # frames on their way to a page at once: one travels while the other is drawn
 PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
 
@@ -70,6 +71,8 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
                 self._wake.set()
                 self._dress()
         elif page in self._credit:
+            if not any(self._credit.values()):
+                self._wake.set()
             self._credit[page] = min(self._credit[page] + 1, CREDIT)
             if page in self._behind and self._last is not None:
                 self._send_to(page, self._last)
@@ -186,6 +189,8 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             self._send(frame)
             due = max(due + 1.0 / RATE, now)
             await self._pause(due)
+            if self._credit and not any(self._credit.values()):
+                await self._pause(time.perf_counter() + PATIENCE)  # nobody would see the next frame: its work is for the pages
 
     async def _pause(self, due: float) -> None:
         """Wait until ``due``, less if a message comes: a slider is answered at once, a burst of messages is not."""

@@ -121,7 +121,7 @@ async function store(word) {
         return { clicks: clicks?.clicks, of: clicks?.of, picture: picture?.blob ?? null, name: picture?.name };
       } catch { return null; }
     },
-    clicks(clicks, of) { try { localStorage.setItem("x", JSON.stringify({ clicks, of })); } catch { /* a full disk: the page goes on */ } },
+    clicks(clicks, of) { try { localStorage.setItem(name, JSON.stringify({ clicks, of })); } catch { /* a full disk: the page goes on */ } },
     picture: (blob, file) => run("readwrite", (all) => all.put({ blob, name: file }, name)),
   };
 }

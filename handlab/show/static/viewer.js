@@ -12,7 +12,7 @@ import { STYLE } from "./style.js";
 
 const PANEL_MS = 80; // numbers and sliders need not change faster
 const CURVE_MS = 100;
-const SLOW_MS = 350; // both, where the processor draws everything
+const SLOW_MS = 450; // both, where the processor draws everything
 const MARK_MS = 100; // there, between two steps of the line that marks the time
 const TICK_TIMEOUT_MS = 3000;
 const SAY_MS = 6000;
