@@ -75,7 +75,7 @@ def fit_points(
         picture = picture * flip
         if not sure:
             plausible.require_together(own, concluded, names, picture)
-        found = _aligned(own, concluded, names, picture, rule, marks)
+        found = aligned_marks(own, concluded, names, picture, rule, marks)
         if camera_mm is not None:
             if not np.isfinite(camera_mm) or camera_mm < 150.0:
                 raise ValueError(f"camera_mm is {camera_mm!r}; give the distance from camera to table in millimetres, such as 600")
@@ -83,7 +83,7 @@ def fit_points(
             middle = picture_mm(middle, scale.mm_per_px) * flip
             for _ in range(4):
                 far = from_far(found, picture, middle, camera_mm)
-                found = _aligned(own, concluded, names, far, rule, marks)
+                found = aligned_marks(own, concluded, names, far, rule, marks)
             picture = far
         lifted = lift(found, picture)
         warp = landmark_warp(found.source, lifted.target, found.frame.towards, rule=rule)
@@ -191,7 +191,7 @@ def picture_mm(px: Array, mm_per_px: float) -> Array:
     return result
 
 
-def _aligned(hand: Hand, view: str, names: tuple[str, ...], picture: Array, rule: str, marks: str | None) -> Aligned:
+def aligned_marks(hand: Hand, view: str, names: tuple[str, ...], picture: Array, rule: str, marks: str | None) -> Aligned:
     """Aligned by ``rule``. Without ``marks``: people click above the joints, so those marks count unless the stored ones fit far better."""
     if rule == "printed":
         return aligned_printed(hand, view, names, picture, marks or "stored")

@@ -67,8 +67,11 @@ def require_labels(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
     """Refuse exchanged labels, whichever hand it is: ``picture`` (N, 2) mm, y upwards."""
     source = flat_source(hand, "palmar", names)
     given = min((similarity(source, picture, mirror=mirror) for mirror in (False, True)), key=lambda found: found.scatter)
+    good = WORSE_THAN * given.scale * hand_length_mm(hand)
+    if given.scatter <= good:
+        return
     swap, better = min((best_exchange(names, source, picture, mirror) for mirror in (False, True)), key=lambda found: found[1])
-    if swap is not None and given.scatter > WORSE_THAN * given.scale * hand_length_mm(hand) and given.scatter > BETTER * better:
+    if swap is not None and given.scatter > BETTER * better and better <= good:  # else another point is far off: see ``require_together``
         raise FitError(
             f"{swap[0]} and {swap[1]} look exchanged: the points fit a hand much better the other way round "
             f"({better:.0f} instead of {given.scatter:.0f} mm off on average); swap them, or say sure=True",

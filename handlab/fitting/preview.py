@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand
 from handlab.fitting import plausible
-from handlab.fitting.alignment import conclude, similarity
+from handlab.fitting.alignment import conclude
 from handlab.fitting.calibration import Scale
-from handlab.fitting.fit import _aligned, picture_mm
+from handlab.fitting.fit import aligned_marks, picture_mm
 from handlab.fitting.landmarks import NAMES, checked, source_points
 from handlab.fitting.lifting import from_far, lift
 from handlab.fitting.outline import contour, distal_of, overlap, silhouette
@@ -60,20 +60,19 @@ def sketch(
     picture = picture_mm(px, scale.mm_per_px)
     if not sure:
         plausible.require_size(hand, names, picture)
-        if _scattered(hand, names, picture):  # what exchange would help is worked out only then
-            plausible.require_labels(hand, names, picture)
+        plausible.require_labels(hand, names, picture)
     own, seen = conclude(hand, names, picture, view=view, side=side, mirror=mirror)
     flip = np.array([-1.0 if mirror else 1.0, 1.0])
     picture = picture * flip
     if not sure:
         plausible.require_together(own, seen, names, picture)
-    found = _aligned(own, seen, names, picture, "least squares", None)
+    found = aligned_marks(own, seen, names, picture, "least squares", None)
     centre = px.mean(axis=0) if centre_px is None else np.asarray(centre_px, dtype=np.float64)
     if camera_mm is not None:
         far = picture
         for _ in range(TWICE):
             far = from_far(found, picture, picture_mm(centre, scale.mm_per_px) * flip, camera_mm)
-            found = _aligned(own, seen, names, far, "least squares", found.marks)  # which marks were meant is known by now
+            found = aligned_marks(own, seen, names, far, "least squares", found.marks)  # which marks were meant is known by now
         picture = far
     target = lift(found, picture).target
     warp = landmark_warp(found.source, target, found.frame.towards)
@@ -90,12 +89,6 @@ def sketch(
         dict(zip(NAMES, ((float(x), float(y)) for x, y in places), strict=True)),
         own.side, seen, skin, fine.faces,
     )  # fmt: skip
-
-
-def _scattered(hand: Hand, names: tuple[str, ...], picture: Array) -> bool:
-    source = plausible.flat_source(hand, "palmar", names)
-    best = min((similarity(source, picture, mirror=mirror) for mirror in (False, True)), key=lambda found: found.scatter)
-    return best.scatter > plausible.WORSE_THAN * best.scale * plausible.hand_length_mm(hand)
 
 
 def outline_of(skin: Array, faces: NDArray[np.int64], cells: int = CELLS) -> Array:

@@ -122,9 +122,16 @@ def test_a_slider_moves_the_hand_and_frames_are_small(served, join, converse, ha
     converse(work)
 
 
+async def dressed(page):
+    """Wait until the hand wears its soft skin: that brings a frame of its own."""
+    await page.send({"kind": "reset"})
+    await page.until(lambda: any(note.get("soft") for note in page.notes))
+
+
 def test_a_clip_plays_at_sixty_frames_a_second_and_can_be_paused(served, join, converse):
     async def work(http_session):
         page = await join(http_session, served)
+        await dressed(page)
         await page.send({"kind": "play", "clip": "fist"})
         await page.until(lambda: len(page.frames) > 5)
         count, start = len(page.frames), time.perf_counter()
@@ -249,6 +256,7 @@ def test_a_page_that_draws_nothing_gets_two_frames_and_the_newest_when_it_is_bac
     async def work(http_session):
         slow = await join(http_session, served, draws=False)
         quick = await join(http_session, served)
+        await dressed(quick)
         await quick.send({"kind": "play", "clip": "fist"})
         await asyncio.sleep(1.0)
         assert len(slow.frames) <= 3
