@@ -46,7 +46,8 @@ child = hl.load_hand("child")
 # nearer to the camera, and looks larger: the fingers, but not the ruler.
 #
 # `table_photo` computes such a photograph. So here, for once, the truth is known: `photo.marks_mm` has the true place of every feature
-# point, (x, y, height) in millimetres. `photo.marks_px` is where they are in the picture, as if you had clicked them.
+# point, (x, y, height) in millimetres. `photo.marks_px` is where they are in the picture, as if you had clicked them, and `photo.ruler_px`
+# has the two clicks on the ruler, at 0 and at 150 mm.
 
 # %%
 photo = table_photo(child, camera_mm=600)

@@ -173,7 +173,7 @@ points = np.column_stack([along, np.full(200, source[:, 1].mean()), np.zeros(200
 whole = rbf.fitted(source, source)
 figure, axes = plt.subplots(figsize=(12, 6))
 for k, (label, after) in enumerate((("sum alone", sum_alone(points, source, source)), ("with affine part", whole(points)))):
-    axes.plot(1000 * along, 1000 * np.linalg.norm(after - points, axis=1), label=label, **line(k))
+    axes.plot(1000 * along, 1000 * np.linalg.norm(after - points, axis=1).round(9), label=label, **line(k))
 axes.axvspan(1000 * source[:, 0].min(), 1000 * source[:, 0].max(), color="#D5DBE1", label="where the feature points are")
 axes.set(xlabel="mm along the hand (0: wrist)", ylabel="moved by (mm)", title="when nothing should move")
 axes.legend()

@@ -101,13 +101,13 @@ check("power", power)
 # ### Exercise: measure the child
 #
 # `size.strengths(child)` has force and torque of the deep flexor of the index finger at its knuckle (MCP), and the moment of inertia there.
-# `child.growth.length` is $L$. Which three powers do you find, for force, torque and inertia? (They need not be whole numbers: a child is
-# no small grown-up.)
+# `child.growth.length` is $L$, from all feature points together; `"length"`, from wrist to middle fingertip, differs a little. Which three
+# powers do you find, for force, torque and inertia? (They need not be whole numbers: a child is no small grown-up.)
 
 # %%
 L = child.growth.length
 before, after = size.strengths(hand), size.strengths(child)
-print(f"L = {L:.3f}", {name: f"{after[name] / before[name]:.3f}" for name in before})
+print(f"L = {L:.3f}; times the reference hand:", ", ".join(f"{name} {after[name] / before[name]:.3f}" for name in before))
 # solution: force_power, torque_power, inertia_power = ..., ..., ...
 force_power, torque_power, inertia_power = (power(after[name] / before[name], L) for name in ("force", "torque", "inertia"))
 # end solution
@@ -125,7 +125,8 @@ for k, name in enumerate(("length", "force", "torque", "inertia")):
     axes.loglog(lengths, [one[name] / before[name] for one in grown], label=name, marker="os^D"[k], markersize=11, **line(k))
     people = [(size.strengths(person)[name] / before[name], person.growth.length) for person in (child, man)]
     axes.plot([at for _, at in people], [ratio for ratio, _ in people], "*", color="black", markersize=17)
-axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: child, man", xticks=lengths, xticklabels=lengths)
+axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: child, man")
+axes.set(xticks=lengths, xticklabels=lengths)
 axes.minorticks_off()
 axes.legend()
 plt.close(figure)
@@ -182,7 +183,7 @@ check("times", predicted_ratio, measured_ratio)
 # ## 5 Side by side
 #
 # The fist, with the contractions of the reference hand, on both. **A question first:** which of the three curves below will nearly lie on
-# each other, and which will be farthest apart?
+# each other, and which will be farthest apart? (The $L$ in the small print is `"length"`.)
 
 # %%
 hl.two_hands(hand, child, "fist")

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from handlab.anatomy.capsule import Capsule as Capsule
 from handlab.anatomy.growth import Growth as Growth
@@ -103,7 +104,8 @@ class Hand:
     ``relaxed`` (dof,) (in the printed reading the straight hand), ``friction`` (dof,), ``capsule`` (None: hard limits),
     ``collateral`` ligaments of the finger MCP joints.
     ``growth``: how muscles differ from the tables in a hand of another size (None: not at all; see ``growth.grown``).
-    ``grids``: of its geometric muscles (None: the shipped ones).
+    ``grids``: of its geometric muscles (None: the shipped ones). ``picture`` (S, S, 3) uint8: colours of the fine skin in its texture
+    coordinates, first row at v = 0, such as those of a photograph (None: painted from the shape).
     """
 
     name: str
@@ -127,6 +129,7 @@ class Hand:
     sources: Mapping[str, Any] = field(repr=False)
     growth: Growth | None = None
     grids: tuple[MuscleGrid, ...] | None = None
+    picture: NDArray[np.uint8] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         return (

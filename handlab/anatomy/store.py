@@ -1,4 +1,5 @@
-"""A hand as a folder of two open files: ``hand.glb`` (meshes, any 3D viewer opens it) and ``hand.json`` (joints, bodies, marks).
+"""A hand as a folder of open files: ``hand.glb`` (meshes, any 3D viewer opens it), ``hand.json`` (joints, bodies, marks) and, for a
+hand with colours of its own, ``skin.png``.
 
 Points, texture and weights are stored with 32 bits: a hand that was loaded comes back to the last bit, one that was computed
 comes back within a nanometre or so, and then to the last bit. Tables of anatomy (muscles, limits) are not part of a hand's files.
@@ -20,7 +21,7 @@ from uuid import uuid4
 import numpy as np
 
 from handlab.anatomy.glb import INDICES, write_glb
-from handlab.anatomy.load import exact_weights, load_hand
+from handlab.anatomy.load import PICTURE, exact_weights, load_hand
 from handlab.anatomy.records import Array, FineSkin, Hand, Index, Skin
 
 FILES = ("hand.glb", "hand.json")
@@ -50,6 +51,10 @@ def save_hand(hand: Hand, folder: str | os.PathLike[str]) -> Path:
             hand.body_names,
         )
         (part / "hand.json").write_text(json.dumps(_table(hand), indent=1) + "\n", encoding="utf-8")
+        if hand.picture is not None:
+            from PIL import Image
+
+            Image.fromarray(hand.picture).save(part / PICTURE, optimize=True)
         _check(hand, load_hand(part))
     return place
 
@@ -144,6 +149,8 @@ def _check(hand: Hand, again: Hand) -> None:
     for name in ("bind", "fibre_rest", "relaxed", "stiffness", "friction", "limits", "coupling", "coupling_offset"):
         if not np.allclose(getattr(hand, name), getattr(again, name), rtol=0.0, atol=CLOSE):
             lost.append(name)
+    if (hand.picture is None) != (again.picture is None) or not np.array_equal(hand.picture, again.picture):  # type: ignore[arg-type]
+        lost.append("picture")
     one, other = ({} if capsule is None else asdict(capsule) for capsule in (hand.capsule, again.capsule))
     if one.keys() != other.keys() or not all(_alike(np.asarray(value), np.asarray(other[name])) for name, value in one.items()):
         lost.append("capsule")
@@ -168,7 +175,7 @@ def _whole_folder(place: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of ``place`` when the block ends well, and vanishes when it fails."""
     if place.exists() and not place.is_dir():
         raise FileExistsError(f"cannot save a hand as {place}: it is a file; a hand is a folder")
-    if place.is_dir() and (others := {path.name for path in place.iterdir()} - set(FILES)):
+    if place.is_dir() and (others := {path.name for path in place.iterdir()} - {*FILES, PICTURE}):
         raise FileExistsError(f"cannot save a hand in {place}: it holds other files ({', '.join(sorted(others)[:3])}); choose a new folder")
     if not place.absolute().parent.is_dir():
         raise FileNotFoundError(f"cannot save a hand in {place}: the folder {place.absolute().parent} does not exist; create it first")

@@ -107,7 +107,10 @@ def scale(own: Callable[..., Any]) -> str:
             "A ruler may lie at an angle: take the length of the way from click to click.": np.asarray(mm / abs(b - a)[1]),
             "The root is missing: the length is the root of the sum of squares.": np.asarray(mm / apart**2),
         }
-        compare(values(own, a, b, mm), np.asarray(mm / apart), slips, "The scale", "mm per pixel")
+        theirs = values(own, a, b, mm)
+        if theirs.ndim:
+            raise Wrong(f"Hand back one number; this has {theirs.size}. How long is the way from click to click?")
+        compare(theirs, np.asarray(mm / apart), slips, "The scale", "mm per pixel")
     return "Your lines and the package agree to nine digits."
 
 

@@ -110,6 +110,15 @@ class Fit:
         assert self.camera_mm is not None
         return from_far(self.aligned, clicked, self._camera_centre(), self.camera_mm)
 
+    def coloured(self) -> Hand:
+        """The hand in the colours of the photograph: views, films and ``hl.save(hand, "me.glb")`` show them, and its files keep them.
+
+        Raises ``ValueError`` without pixels, or where the hand cannot be told from the background.
+        """
+        from handlab.fitting.texture import texture_of
+
+        return self.hand.with_(picture=texture_of(self).pixels)
+
     @cached_property
     def outline(self) -> Array:
         """The outline (K, 2) px of the new hand over the picture, closed."""

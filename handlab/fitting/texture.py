@@ -21,7 +21,7 @@ from handlab.fitting.raster import foremost, pixels
 if TYPE_CHECKING:
     from handlab.fitting.result import Fit
 
-SIZE = 2048  # texels on each side of the atlas
+SIZE = 1024  # texels on each side of the atlas
 SQUARE, GRAZING = 0.45, 0.15  # cosine to the camera above which a texel is trusted fully, below which not at all
 IN_FRONT = 0.002  # metres: a surface this far behind what covers its pixel is hidden
 HIDING = 1000.0  # what hides what is decided in a picture of about so many pixels on its longer side

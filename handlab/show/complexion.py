@@ -1,6 +1,7 @@
 """The tone of the skin at every point: paler in the palm, redder in creases and over fingertips, nails pink.
 
-It is painted from the shape alone, once per hand, so any hand that has bones and joints gets it.
+It is painted from the shape alone, once per hand, so any hand that has bones and joints gets it; a hand with a picture of its own
+shows that.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from handlab.show.colours import NAIL, SKIN, SKIN_DEEP, SKIN_PALE, SKIN_PALM
 from handlab.show.surface import Normals, hollowness
 from handlab.simulation.kinematics import posed_axes
 
+LIT = 1.2  # skin in a photograph is lit already, and the viewer's light takes about a sixth again (an assumption)
+
 NAIL_REACH = 0.010  # half of the broadest fingertip, metres
 NAIL_WIDTH = 0.68
 NAIL_LENGTH = 0.62  # of the distal phalanx
@@ -24,6 +27,8 @@ NAIL_MIDDLE = -0.07  # of the distal phalanx, from the tip of its bone
 def complexion(hand: Hand) -> NDArray[np.uint8]:
     """Tones (Nf, 3) of the fine skin, 0 to 255."""
     fine = hand.skin_fine
+    if hand.picture is not None:
+        return pictured(hand.picture, fine.texture, fine.faces, len(fine.points))
     normals = Normals(fine.faces, len(fine.points)).of(fine.points)
     hollow = hollowness(fine.points, fine.faces, normals)
     tone = np.tile(np.array(SKIN, dtype=np.float64), (len(fine.points), 1))
@@ -34,6 +39,15 @@ def complexion(hand: Hand) -> NDArray[np.uint8]:
     mix(tone, SKIN_PALE, 0.18 * np.clip(-hollow, 0.0, 1.0))
     mix(tone, NAIL, 0.75 * nails(hand, normals))
     return np.asarray(np.clip(tone, 0, 255), dtype=np.uint8)
+
+
+def pictured(picture: NDArray[np.uint8], texture: Array, faces: Any, count: int) -> NDArray[np.uint8]:
+    """Tones (``count``, 3) that points have in a picture: the mean of the corners of their triangles."""
+    at = np.clip((texture.reshape(-1, 2) * picture.shape[1::-1]).astype(np.int64), 0, np.array(picture.shape[1::-1]) - 1)
+    total = np.zeros((count, 3))
+    np.add.at(total, faces.ravel(), picture[at[:, 1], at[:, 0]].astype(np.float64))
+    corners = np.maximum(np.bincount(faces.ravel(), minlength=count), 1)
+    return np.asarray(np.clip(np.rint(LIT * total / corners[:, None]), 0, 255), dtype=np.uint8)
 
 
 def mix(tone: Array, colour: tuple[int, int, int], amount: Any) -> None:

@@ -48,7 +48,6 @@ def live(path: Path | None = None, side: str = "right", reading: str = "sound") 
     def session() -> Session:
         from handlab.show.session import Session
 
-        hand, tones = (load_hand(side=side, reading=reading), None) if saved is None else saved
-        return Session(hand, wear=SOFT, tones=tones)
+        return Session(load_hand(side=side, reading=reading) if saved is None else saved, wear=SOFT)
 
     return session

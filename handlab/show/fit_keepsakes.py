@@ -6,14 +6,13 @@ import io
 import json
 import os
 import zipfile
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from handlab.anatomy.load import PEOPLE, load_hand
+from handlab.anatomy.load import PEOPLE, PICTURE, load_hand
 from handlab.anatomy.records import Hand
 from handlab.anatomy.store import FILES as HAND_FILES
 from handlab.anatomy.store import save_hand
@@ -21,11 +20,10 @@ from handlab.fitting.outline import distal_of, overlap, silhouette
 from handlab.fitting.preview import outline_of
 from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks
-from handlab.show.fit_picture import Photo, overlaid, photo_tones
+from handlab.show.fit_picture import Photo, overlaid
 from handlab.show.fit_words import plain
 
 FILES = ("hand", "picture", "report")
-TONES = "tones.png"
 MOST_BYTES = 100_000_000  # of a file in an archive
 MARKS = ("wrist_radial", "wrist_ulnar", "mcp_middle")
 
@@ -78,56 +76,33 @@ def archive(fit: Fit, photo: Photo, clicks: Clicks, picture: bytes) -> bytes:
     stream = io.BytesIO()
     with TemporaryDirectory(prefix="handlab-") as folder, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as out:
         place = save_hand(fit.hand, Path(folder) / "hand")
-        for name in HAND_FILES:
-            out.write(place / name, name)
+        for file in sorted(place.iterdir()):
+            out.write(file, file.name)
         out.writestr("report.txt", f"{fit.report()}\n")
         out.writestr("points.json", json.dumps(clicks.to_json(), indent=1) + "\n")
         out.writestr("outline.jpg", picture)
-        with suppress(ValueError):  # no hand to be told from the background: no colours
-            out.writestr(TONES, _png(photo_tones(fit, photo)))
     return stream.getvalue()
 
 
-def open_hand(path: str | os.PathLike[str]) -> tuple[Hand, Any]:
-    """A hand and the tones (Nf, 3) of its skin, or None: "man" or "child", a folder, or an archive as ``archive`` writes it.
+def open_hand(path: str | os.PathLike[str]) -> Hand:
+    """A hand: "man" or "child", a folder, or an archive as ``archive`` writes it.
 
     Raises ``FileNotFoundError``, or ``ValueError`` for an archive that holds no hand.
     """
     file = Path(path)
     if str(path) in PEOPLE:
-        return load_hand(str(path)), None
+        return load_hand(str(path))
     if not file.exists() or file.is_dir():
-        return load_hand(file), _tones((file / TONES).read_bytes() if (file / TONES).is_file() else None)
+        return load_hand(file)
     try:
         with zipfile.ZipFile(file) as box, TemporaryDirectory(prefix="handlab-") as folder:
             sizes = {entry.filename: entry.file_size for entry in box.infolist()}
             if not set(HAND_FILES) <= set(sizes):
                 raise ValueError(f"{file.name} holds no hand: a hand is hand.json and hand.glb, in a folder or an archive")
-            for name in HAND_FILES:  # these names and no others: an archive may hold any path
+            for name in {*HAND_FILES, PICTURE} & set(sizes):  # these names and no others: an archive may hold any path
                 if sizes[name] > MOST_BYTES:
                     raise ValueError(f"{file.name}: {name} claims {sizes[name]} bytes; no hand is so large")
                 (Path(folder) / name).write_bytes(box.read(name))
-            return load_hand(folder), _tones(box.read(TONES) if 0 < sizes.get(TONES, 0) < MOST_BYTES else None)
+            return load_hand(folder)
     except zipfile.BadZipFile as error:
         raise ValueError(f"{file.name} is no archive with a hand; save it again from the page") from error
-
-
-def _png(tones: Any) -> bytes:
-    from PIL import Image
-
-    stream = io.BytesIO()
-    Image.fromarray(tones[None]).save(stream, format="PNG")
-    return stream.getvalue()
-
-
-def _tones(data: bytes | None) -> Any:
-    from PIL import Image
-
-    if data is None:
-        return None
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG",)) as picture:
-            found = np.asarray(picture.convert("RGB"))
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        return None
-    return found[0] if found.shape[0] == 1 else None

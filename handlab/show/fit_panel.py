@@ -225,10 +225,10 @@ class FitPanel:
         if "front" in self.__dict__:
             self.front.send({"kind": "changed", "clicks": self.room.clicks.to_json()})
 
-    def _moved(self, fit: Fit, tones: Any) -> str:
+    def _moved(self, fit: Fit) -> str:
         from handlab.show.widget import HandView
 
-        self.view = HandView(fit.hand, tones=tones)
+        self.view = HandView(fit.hand)
         self.widget.children = [self.front, self.view.widget]
         return "The hand is live below; in code it is panel.hand."
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handlab.anatomy.records import Array
+from handlab.anatomy.records import Array, Hand, frozen
 from handlab.fitting.outline import hand_mask
 from handlab.fitting.pictures import Picture, load_picture
 from handlab.fitting.result import Fit
@@ -18,9 +18,7 @@ SHOWN = 2400  # pixels on the longer side of what the page shows
 ENOUGH = 12  # points that tell what colour the hand has
 COMPARED = 480  # on the longer side of that in which hand and background are told apart while points come
 TINTED = 1600  # on the longer side of that from which the skin takes its colour
-ATLAS = 512  # texels: finer than the skin's own points
 QUALITY = 86
-LIT = 1.2  # skin in a photograph is lit already, and the viewer's light takes about a sixth again (an assumption)
 LINE, CASING = (86, 180, 233), (16, 32, 48)
 
 
@@ -81,22 +79,19 @@ def overlaid(photo: Photo, outline: Array) -> bytes:
     return _jpeg(picture)
 
 
-def photo_tones(fit: Fit, photo: Photo) -> NDArray[np.uint8]:
-    """Tones (Nf, 3) of the fine skin of a fitted hand, from its photograph; unseen skin continues what is seen.
+def in_colours(fit: Fit, photo: Photo) -> Hand:
+    """The hand of a fit with its photograph on the skin; unseen skin continues what is seen.
 
-    Raises ``ValueError`` where hand and background cannot be told apart.
+    As it is where hand and background cannot be told apart.
     """
-    skin = fit.hand.skin_fine
+    fine = fit.hand.skin_fine
     pixels, step = photo.reduced(TINTED)
-    height = fit.aligned.frame.height(skin.points @ fit.warped.rotation + fit.warped.origin)
-    shown = hand_mask(pixels, fit.clicks / step)
-    sheet = project_texture(skin, fit.to_picture(skin.points) / step, height, pixels, hand=shown, size=ATLAS)
-    at = np.clip((skin.texture.reshape(-1, 2) * ATLAS).astype(np.int64), 0, ATLAS - 1)
-    found = sheet.pixels[at[:, 1], at[:, 0]].astype(np.float64)
-    total, count = np.zeros((len(skin.points), 3)), np.zeros(len(skin.points))
-    np.add.at(total, skin.faces.ravel(), found)
-    np.add.at(count, skin.faces.ravel(), 1.0)
-    return np.asarray(np.clip(np.rint(LIT * total / np.maximum(count, 1.0)[:, None]), 0, 255), dtype=np.uint8)
+    height = fit.aligned.frame.height(fine.points @ fit.warped.rotation + fit.warped.origin)
+    try:
+        sheet = project_texture(fine, fit.to_picture(fine.points) / step, height, pixels, hand=hand_mask(pixels, fit.clicks / step))
+    except ValueError:
+        return fit.hand
+    return fit.hand.with_(picture=frozen(sheet.pixels, np.uint8))
 
 
 def _jpeg(picture: Any) -> bytes:

@@ -41,7 +41,7 @@ from handlab.fitting.preview import Sketch, sketch
 from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks, read, read_file
 from handlab.show.fit_keepsakes import FILES, keepsake, rows
-from handlab.show.fit_picture import TINTED, Photo, photo_tones
+from handlab.show.fit_picture import TINTED, Photo, in_colours
 from handlab.show.fit_words import plain, points, trouble
 
 LOOKED_AT = 3000
@@ -53,12 +53,12 @@ class NoPhoto(ValueError):  # noqa: N818 (reads as what it is)
 
 
 Keep = Callable[[Clicks], None]
-Move = Callable[[Fit, Any], str]
+Move = Callable[[Fit], str]
 
 
 class FitRoom:
-    """One photograph and the clicks in it. ``keep`` is called with the clicks after every change, ``move`` with the finished fit and the
-    tones of its skin; it returns a sentence."""
+    """One photograph and the clicks in it. ``keep`` is called with the clicks after every change, ``move`` with the finished
+    fit; it returns a sentence."""
 
     def __init__(self, hand: Hand | None = None, *, keep: Keep | None = None, move: Move | None = None) -> None:
         self.hand = load_hand() if hand is None else hand
@@ -134,7 +134,8 @@ class FitRoom:
             made = fit_photo(
                 photo.pixels, landmarks=clicks.landmarks, scale=self.scale(), hand=self.hand, name=Path(photo.name).stem, **self._how()
             )
-            self.fit, self._fitted = made.with_picture(photo.pixels, photo.size, self.camera().how), clicks
+            made = made.with_picture(photo.pixels, photo.size, self.camera().how)
+            self.fit, self._fitted = replace(made, hand=in_colours(made, photo)), clicks
         return self.fit
 
     def _how(self) -> dict[str, Any]:
@@ -238,14 +239,7 @@ class FitRoom:
         fit = self.finish()
         if self._move is None:
             raise ValueError("this page cannot move a hand; save it and open it with: handlab run --hand FILE")
-        return {"said": self._move(fit, self.tones())}
-
-    def tones(self) -> NDArray[np.uint8] | None:
-        """The photograph's colours on the skin of the finished hand, None where it cannot be told from its background."""
-        try:
-            return photo_tones(self.finish(), self._photo())
-        except ValueError:
-            return None
+        return {"said": self._move(fit)}
 
 
 def warm_up(hand: Hand) -> None:

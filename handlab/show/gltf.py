@@ -9,17 +9,18 @@ They come from a singular value decomposition, as many as it takes to stay below
 
 from __future__ import annotations
 
-import json
-import struct
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handlab.anatomy.glb import ARRAY_BUFFER, BINARY_CHUNK, COMPONENTS, ELEMENT_ARRAY_BUFFER, JSON_CHUNK, MAGIC, VERSION, WIDTHS
+from handlab.anatomy.glb import ARRAY_BUFFER
 from handlab.anatomy.records import Array, Hand
+from handlab.anatomy.store import seams
 from handlab.show.colours import IVORY
+from handlab.show.gltf_document import Document
 from handlab.show.moments import Story
 from handlab.show.surface import Normals
 from handlab.simulation.kinematics import relative_transforms
@@ -29,73 +30,7 @@ from handlab.simulation.writing import whole_file
 FPS = 30.0
 TOLERANCE = 1e-4  # metres: a tenth of a millimetre cannot be seen
 MOST_SHAPES = 24
-# Distal is up, the palm looks at the viewer: (x, y, z) of the hand becomes (y, z, x) of the scene's (z, x, y).
-UPRIGHT = [0.5, 0.5, 0.5, 0.5]
 ROUGHNESS = {"skin": 0.55, "bone": 0.5}
-
-
-class Document:
-    """The JSON half and the block of numbers of a ``.glb`` in the making."""
-
-    def __init__(self, notice: str) -> None:
-        self.json: dict[str, Any] = {
-            "asset": {"version": "2.0", "generator": "handlab", "copyright": notice},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": [{"name": "hand", "rotation": UPRIGHT, "children": []}],
-            "meshes": [],
-            "materials": [],
-            "accessors": [],
-            "bufferViews": [],
-        }
-        self._block = bytearray()
-
-    def accessor(self, array: NDArray[Any], *, target: int | None = None, normalized: bool = False, bounds: bool = False) -> int:
-        """Append an array (n,) or (n, width); its number."""
-        code = next(code for code, dtype in COMPONENTS.items() if dtype == array.dtype)
-        width = 1 if array.ndim == 1 else array.shape[1]
-        self._block.extend(b"\0" * (-len(self._block) % 4))
-        view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self._block), "byteLength": array.nbytes}
-        if target is not None:
-            view["target"] = target
-        self._block.extend(np.ascontiguousarray(array).tobytes())
-        self.json["bufferViews"].append(view)
-        kind = next(kind for kind, size in WIDTHS.items() if size == width)
-        entry: dict[str, Any] = {"bufferView": len(self.json["bufferViews"]) - 1, "componentType": code, "count": len(array), "type": kind}
-        if normalized:
-            entry["normalized"] = True
-        if bounds:
-            flat = array.reshape(len(array), width)
-            entry |= {"min": flat.min(axis=0).tolist(), "max": flat.max(axis=0).tolist()}
-        return self.add("accessors", entry)
-
-    def add(self, kind: str, entry: dict[str, Any]) -> int:
-        """Append an entry; its number."""
-        self.json.setdefault(kind, []).append(entry)
-        return len(self.json[kind]) - 1
-
-    def node(self, entry: dict[str, Any], parent: int = 0) -> int:
-        """Append a node below another; its number."""
-        number = self.add("nodes", entry)
-        self.json["nodes"][parent].setdefault("children", []).append(number)
-        return number
-
-    def points(self, array: Array) -> int:
-        """Positions, with the bounds that the format wants."""
-        return self.accessor(np.asarray(array, dtype="<f4"), target=ARRAY_BUFFER, bounds=True)
-
-    def faces(self, faces: Any) -> int:
-        """Triangles."""
-        return self.accessor(np.asarray(faces).astype("<u2").ravel(), target=ELEMENT_ARRAY_BUFFER)
-
-    def bytes(self) -> bytes:
-        """The file."""
-        block = bytes(self._block) + b"\0" * (-len(self._block) % 4)
-        self.json["buffers"] = [{"byteLength": len(block)}]
-        text = json.dumps(self.json, separators=(",", ":"), allow_nan=False).encode()
-        text += b" " * (-len(text) % 4)
-        header = struct.pack("<III", MAGIC, VERSION, 12 + 8 + len(text) + 8 + len(block))
-        return header + struct.pack("<II", len(text), JSON_CHUNK) + text + struct.pack("<II", len(block), BINARY_CHUNK) + block
 
 
 def glb(story: Story, fps: float = FPS) -> bytes:
@@ -111,7 +46,7 @@ def glb(story: Story, fps: float = FPS) -> bytes:
         animate(document, time, motion, joints, skin_node, weights, str(getattr(story.clip, "name", "")) or "clip")
     elif weights.shape[1]:
         document.json["meshes"][skin_mesh]["weights"] = weights[0].tolist()
-    return document.bytes()
+    return document.file()
 
 
 def sampled(story: Story, fps: float) -> tuple[list[Array], Array]:
@@ -136,31 +71,57 @@ def add_bones(document: Document, hand: Hand, joints: list[int]) -> None:
 
 def add_skin(document: Document, hand: Hand, joints: list[int], angles: list[Array], motion: Array) -> tuple[int, int, Array]:
     """The fine skin: its node, its mesh, and the weights (T, shapes) of its corrective shapes."""
-    from handlab.show.complexion import complexion
-
     fine = hand.skin_fine
     bodies, share = fine_weights(hand)
     shapes, weights = corrections(hand, angles, motion, bodies, share)
-    tone = np.column_stack([np.array([linear(v) for v in range(256)])[complexion(hand)] * 255, np.full(len(fine.points), 255)])
+    faces, point, colours, material = coloured(document, hand)
+    directions = np.asarray(Normals(fine.faces, len(fine.points)).of(fine.points), dtype="<f4")
     attributes = {
-        "POSITION": document.points(fine.points),
-        "NORMAL": normals(document, fine.points, fine.faces),
-        "JOINTS_0": document.accessor(bodies.astype("u1"), target=ARRAY_BUFFER),
-        "WEIGHTS_0": document.accessor(share.astype("<f4"), target=ARRAY_BUFFER),
-        "COLOR_0": document.accessor(np.rint(tone).astype("u1"), target=ARRAY_BUFFER, normalized=True),
+        "POSITION": document.points(fine.points[point]),
+        "NORMAL": document.accessor(directions[point], target=ARRAY_BUFFER),
+        "JOINTS_0": document.accessor(bodies[point].astype("u1"), target=ARRAY_BUFFER),
+        "WEIGHTS_0": document.accessor(share[point].astype("<f4"), target=ARRAY_BUFFER),
+        **colours,
     }
     primitive: dict[str, Any] = {
         "attributes": attributes,
-        "indices": document.faces(fine.faces),
-        "material": document.add("materials", matter("skin", [1.0, 1.0, 1.0, 1.0])),
+        "indices": document.faces(faces),
+        "material": document.add("materials", material),
     }
     mesh: dict[str, Any] = {"name": "skin", "primitives": [primitive]}
     if len(shapes):
-        primitive["targets"] = [{"POSITION": document.points(shape)} for shape in shapes]
+        primitive["targets"] = [{"POSITION": document.points(shape[point])} for shape in shapes]
         mesh |= {"weights": [0.0] * len(shapes), "extras": {"targetNames": [f"corrective {k + 1}" for k in range(len(shapes))]}}
     number = document.add("meshes", mesh)
     skin = document.add("skins", {"name": "skin", "joints": joints, "skeleton": 0})
     return document.node({"name": "skin", "mesh": number, "skin": skin}), number, weights
+
+
+def coloured(document: Document, hand: Hand) -> tuple[Any, Any, dict[str, int], dict[str, Any]]:
+    """Faces of the stored skin, the point (K,) of each stored one, attributes that colour it, and its material.
+
+    A hand with a picture shows that: points along the seams of the texture then stand there more than once. Others have a tone per point.
+    """
+    from handlab.show.complexion import complexion
+
+    fine, white = hand.skin_fine, matter("skin", [1.0, 1.0, 1.0, 1.0])
+    if hand.picture is None:
+        tone = np.column_stack([np.array([linear(v) for v in range(256)])[complexion(hand)] * 255, np.full(len(fine.points), 255)])
+        tones = document.accessor(np.rint(tone).astype("u1"), target=ARRAY_BUFFER, normalized=True)
+        return fine.faces, np.arange(len(fine.points)), {"COLOR_0": tones}, white
+    faces, point, place = seams(fine.faces, fine.texture)
+    document.add("images", {"bufferView": document.view(png(hand.picture)), "mimeType": "image/png"})
+    white["pbrMetallicRoughness"]["baseColorTexture"] = {"index": document.add("textures", {"source": 0})}
+    return faces, point, {"TEXCOORD_0": document.accessor(place.astype("<f4"), target=ARRAY_BUFFER)}, white
+
+
+def png(picture: Any) -> bytes:
+    """Pixels as a PNG file."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(picture).save(stream, format="PNG", optimize=True)
+    return stream.getvalue()
 
 
 def fine_weights(hand: Hand) -> tuple[NDArray[np.int64], Array]:

@@ -135,6 +135,7 @@ class RulerPanel(FigurePanel):
                 max=high,
                 step=step,
                 description=WORDS[name],
+                style={"description_width": "initial"},
                 readout_format=".0f",
                 continuous_update=False,
             )

@@ -65,8 +65,7 @@ class Session(KeepingHand):
 
     ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: as in ``simulate``, once the host
     has called ``prepare``; a blended skin is left to the viewer (1.6 kB a frame), unless ``skin_points`` asks for its points too
-    (10.6 kB, as a soft skin; 16 kB with muscles); ``exports``: the formats that this host writes;
-    ``tones`` (Nf, 3): colours of the fine skin.
+    (10.6 kB, as a soft skin; 16 kB with muscles); ``exports``: the formats that this host writes.
     """
 
     def __init__(
@@ -80,10 +79,8 @@ class Session(KeepingHand):
         muscles: str = "both",
         skin_points: bool = False,
         exports: Iterable[str] = FORMATS,
-        tones: Any = None,
     ) -> None:
         self.exports = tuple(exports)
-        self.tones = tones
         self._replies: deque[dict[str, Any]] = deque(maxlen=MOST_REPLIES)
         self._wishes: deque[Wish] = deque(maxlen=4)
         super().__init__(hand, wear=wear, muscles=muscles, skin_points=skin_points)
@@ -104,7 +101,7 @@ class Session(KeepingHand):
         self._status()
         if self.clip is not None:
             self._tell_track()
-        return wire.scene(self.hand, shown_clips=self.clips(), exports=self.exports, tones=self.tones)
+        return wire.scene(self.hand, shown_clips=self.clips(), exports=self.exports)
 
     def replies(self) -> list[dict[str, Any]]:
         """What is to be told to the clients since the last call."""

@@ -65,7 +65,7 @@ class SizePanel(FigurePanel):
 
     def text(self) -> str:
         """The read-out."""
-        rows = [f"{name} x {ratio:.3f} (L^{POWERS[name]} = {self._size ** POWERS[name]:.3f})" for name, ratio in self.ratios.items()]
+        rows = [f"{name} × {ratio:.3f} (law of growth: {self._size ** POWERS[name]:.3f})" for name, ratio in self.ratios.items()]
         return "\n".join([f"size L = {self._size:g}, mechanics {self._mechanics}", *rows])
 
     def figure(self) -> Any:
@@ -74,7 +74,7 @@ class SizePanel(FigurePanel):
             left, right = figure.subplots(1, 2)
             at = np.arange(len(POWERS))
             bars = left.barh(at, list(self.ratios.values()), 0.55, color=BLUE, zorder=2, label="this hand")
-            left.bar_label(bars, [f"{ratio:.2f}" for ratio in self.ratios.values()], padding=10)
+            left.bar_label(bars, [f"{ratio:.2f}" for ratio in self.ratios.values()], padding=18)
             laws = [self._size**power for power in POWERS.values()]
             left.plot(laws, at, "D", color=ORANGE, markeredgecolor=BLACK, markersize=13, linestyle="", zorder=4, label="law of growth")
             left.axvline(1.0, color=BLACK, linewidth=1.5, linestyle=":")

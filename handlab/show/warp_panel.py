@@ -165,7 +165,7 @@ class WarpPanel(FigurePanel):
         made = {}
         for name, value in self._drag.items():
             slider = ipywidgets.FloatSlider(value=value, min=-MOST_MM, max=MOST_MM, step=1.0, description=WORDS[name], readout_format=".0f")
-            slider.continuous_update = False
+            slider.continuous_update, slider.style.description_width = False, "initial"
             slider.layout.width = "45%"
             made[name] = self.observe(slider, OnMain(partial(self._slid, name)))
         return made

@@ -67,8 +67,8 @@ class HandView:
     """A live hand in a notebook: ``view.set(FDP2=0.4)``, ``view.play("fist")``, ``view.show(state)``; ``view.widget`` is the widget.
 
     ``start`` is a state or a recorded clip; ``hold`` joints that are held; ``wear``, ``muscles``: how the skin is worn and which muscles
-    contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``tones`` (Nf, 3):
-    colours of the fine skin; ``painted`` muscles, as in ``simulate``; ``options`` of the viewer: ``skin``, ``bones``, ``view``,
+    contract, as in ``simulate`` (soft skin by default; it shows a second or two after the page); ``height`` in pixels; ``painted``
+    muscles, as in ``simulate``; ``options`` of the viewer: ``skin``, ``bones``, ``view``,
     ``layers`` (``["muscles", "tendons"]``), ``panels`` (false: the hand only).
     """
 
@@ -83,7 +83,6 @@ class HandView:
         height: int = 680,
         skin_points: bool = False,
         painted: Any = None,
-        tones: Any = None,
         **options: Any,
     ) -> None:
         if painted is not None:
@@ -91,7 +90,7 @@ class HandView:
 
             hand = with_painted(hand, painted)
         self.hand = hand
-        self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points, tones=tones)
+        self.session = Session(hand, start, hold=hold, wear=wear, muscles=muscles, skin_points=skin_points)
         self._preparing: threading.Thread | None = None
         self._lock = threading.RLock()
         self._before: float | None = None

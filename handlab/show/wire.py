@@ -167,14 +167,10 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     return struct.pack("<I", len(text)) + text + bytes(block)
 
 
-def scene(hand: Hand, *, shown_clips: Iterable[Mapping[str, Any]] | None = None, tones: Any = None, **more: Any) -> bytes:
-    """Everything about a hand that stays; ``more`` joins the text (such as ``exports``, the formats that the host writes).
-
-    ``tones`` (Nf, 3): colours of the fine skin, 0 to 255, in place of the complexion.
-    """
+def scene(hand: Hand, *, shown_clips: Iterable[Mapping[str, Any]] | None = None, **more: Any) -> bytes:
+    """Everything about a hand that stays; ``more`` joins the text (such as ``exports``, the formats that the host writes)."""
     listed = named_clips() if shown_clips is None else list(shown_clips)
-    arrays = meshes(hand) if tones is None else {**meshes(hand), "fine_tone": np.asarray(tones, dtype=np.uint8)}
-    return packed({**describe(hand), "clips": listed, **more}, arrays)
+    return packed({**describe(hand), "clips": listed, **more}, meshes(hand))
 
 
 def frame(

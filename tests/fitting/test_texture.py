@@ -1,17 +1,16 @@
 """The photograph on the skin."""
 
-import json
-import struct
-
 import numpy as np
 import people
 import pytest
 from photograph import photograph
 
+import handlab as hl
+from handlab.anatomy.store import save_hand
 from handlab.fitting.outline import hand_mask
 from handlab.fitting.raster import pixels
 from handlab.fitting.texture import project_texture
-from handlab.fitting.textured import save_textured
+from handlab.show.complexion import complexion
 
 SIZE = 512
 
@@ -109,18 +108,27 @@ def test_a_picture_that_shows_nothing_of_the_hand_is_refused():
         project_texture(hand.skin_fine, np.zeros((3, 2)), np.zeros(3), np.zeros((80, 80, 3), np.uint8), size=64)
 
 
-def test_the_saved_file_gives_mesh_places_and_picture_back(texture, tmp_path):
+def test_the_saved_hand_gives_mesh_places_and_picture_back(texture, tmp_path):
     trimesh = pytest.importorskip("trimesh")
-    fine = people.hand().skin_fine
-    file = save_textured(fine, texture, tmp_path / "hand.glb")
-    mesh = trimesh.load(file, force="mesh", process=False)
+    hand = people.hand().with_(picture=texture.pixels)
+    fine = hand.skin_fine
+    scene = trimesh.load(hl.save(hl.pose(hand, {}), tmp_path / "hand.glb", hand=hand), process=False)
+    mesh = next(one for name, one in scene.geometry.items() if "skin" in name)
     assert len(mesh.faces) == len(fine.faces)
     np.testing.assert_allclose(mesh.triangles, fine.points[fine.faces], atol=1e-6)
     uv = mesh.visual.uv[mesh.faces]
     np.testing.assert_allclose(np.stack([uv[..., 0], 1 - uv[..., 1]], axis=-1), fine.texture, atol=1e-5)  # trimesh counts v upwards
     np.testing.assert_array_equal(np.asarray(mesh.visual.material.baseColorTexture.convert("RGB")), texture.pixels)
-    magic, version, length = struct.unpack("<III", file.read_bytes()[:12])
-    assert (magic, version, length) == (0x46546C67, 2, file.stat().st_size)
-    assert json.loads(file.read_bytes()[20 : 20 + struct.unpack("<I", file.read_bytes()[12:16])[0]])["asset"]["version"] == "2.0"
-    with pytest.raises(ValueError, match=r"written as \.glb"):
-        save_textured(fine, texture, tmp_path / "hand.obj")
+
+
+def test_a_hand_keeps_its_picture_in_its_files_mirrored_or_not(texture, tmp_path):
+    hand = people.hand().with_(picture=texture.pixels)
+    place = save_hand(hand, tmp_path / "me")
+    for side in ("right", "left"):
+        again = hl.load_hand(place, side=side)
+        np.testing.assert_array_equal(again.picture, texture.pixels)
+        np.testing.assert_array_equal(complexion(again), complexion(hand))
+    assert np.abs(complexion(hand).astype(int) - complexion(people.hand()).astype(int)).mean() > 5.0
+    (place / "skin.png").write_bytes(b"no picture")
+    with pytest.raises(ValueError, match=r"skin\.png is no picture"):
+        hl.load_hand(place)

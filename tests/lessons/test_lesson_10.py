@@ -76,6 +76,7 @@ def test_the_scale_passes_and_its_slips_are_told():
     assert "Turn the fraction" in hint("scale", lambda a, b, mm: np.hypot(*(a - b)) / mm)
     assert "root is missing" in hint("scale", lambda a, b, mm: mm / ((a - b) ** 2).sum())
     assert "at an angle" in hint("scale", lambda a, b, mm: mm / abs(b - a)[1])
+    assert "one number; this has 2" in hint("scale", lambda a, b, mm: b - a)
 
 
 def knuckles(photo):

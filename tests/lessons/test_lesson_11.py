@@ -73,6 +73,11 @@ def system(kind="right"):
     return own
 
 
+def test_a_system_for_26_points_only_is_told_what_the_check_asks(source):
+    for whole in (system()(source), system("alone")(source)):
+        assert "asks with 7 points" in hint("system", lambda _, whole=whole: whole)
+
+
 def test_the_system_passes_and_its_slips_are_told():
     assert said("system", system()).outcome is RIGHT
     assert said("system", system("open")).outcome is Outcome.OPEN

@@ -15,6 +15,7 @@ from handlab.fitting.fit import fit_points
 from handlab.fitting.landmarks import LANDMARKS, NAMES, read_landmarks
 from handlab.fitting.mistakes import FitError, FitQuestion
 from handlab.fitting.preview import sketch
+from handlab.show.complexion import complexion
 from handlab.show.fit_clicks import Clicks, read, read_file
 from handlab.show.fit_drawing import drawing
 from handlab.show.fit_keepsakes import open_hand
@@ -210,10 +211,10 @@ def test_clicks_are_kept_after_every_change_and_found_again_for_the_same_picture
 def test_a_saved_hand_loads_back_bit_by_bit_with_its_colours(file, whole):
     panel = hl.FitPanel(file, keep=False)
     panel.set(**whole)
-    hand, tones = open_hand(panel.save("me.zip"))
+    hand = open_hand(panel.save("me.zip"))
     assert np.array_equal(hand.skin.points, panel.hand.skin.points)
     assert np.array_equal(hand.lever_arm, panel.hand.lever_arm)
-    assert np.array_equal(tones, panel.room.tones())
+    assert np.array_equal(hand.picture, panel.hand.picture)
     assert "index, metacarpal" in panel.save("me.txt").read_text()
     assert Image.open(panel.save("me.jpg")).size == (panel.room.photo.size)
     with pytest.raises(ValueError, match=r"\.zip, \.jpg, \.txt"):
@@ -254,7 +255,7 @@ def test_a_page_sends_a_picture_in_parts_then_clicks_and_moves_the_hand(file, wh
     assert Path("me.points.json").is_file()
     assert front.asks({"kind": "move"})["good"]
     assert panel.view.hand is panel.hand
-    assert panel.view.session.tones.shape == (len(panel.hand.skin_fine.points), 3)
+    assert not np.array_equal(complexion(panel.hand), complexion(panel.hand.with_(picture=None)))
     assert len(panel.widget.children) == 2
     panel.set(landmarks={"tip_index": (300, 300)})
     assert front.got[-1]["clicks"]["landmarks"]["tip_index"] == [300.0, 300.0]

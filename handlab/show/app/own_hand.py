@@ -7,7 +7,7 @@ import json
 import re
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from handlab.show.outfits import SOFT
 
@@ -76,11 +76,11 @@ class OwnHands:
             reply = await asyncio.to_thread(self.room(word).ask, message, data)
         return web.json_response(reply)
 
-    def _move(self, fit: Fit, tones: Any) -> str:
+    def _move(self, fit: Fit) -> str:
         """The hand of a fit goes live in all pages. Runs beside the loop."""
         from handlab.show.session import Session
 
-        session = Session(fit.hand, wear=SOFT, tones=tones)
+        session = Session(fit.hand, wear=SOFT)
         session.scene()  # what takes time is kept with the hand
         asyncio.run_coroutine_threadsafe(self.app.change(session), self._loop).result()
         return "the hand is live"

@@ -498,11 +498,11 @@ def test_the_saved_hand_comes_back_bit_by_bit_and_the_command_opens_it(ready, sh
         assert "index, metacarpal" in box.read("report.txt").decode()
     from handlab.show.fit_keepsakes import open_hand
 
-    hand, tones = open_hand(files["hand"])
+    hand = open_hand(files["hand"])
     again = hl.load_hand(tmp_path / "hand")
     assert hand.side == "left"
     assert np.array_equal(hand.skin.points, again.skin.points)
-    assert tones.shape == (len(hand.skin_fine.points), 3)
+    assert np.array_equal(hand.picture, again.picture)
     picture = np.asarray(Image.open(io.BytesIO(files["picture"].read_bytes()))).astype(int)
     assert ((picture[..., 2] > 180) & (picture[..., 0] < 140)).sum() > 500  # the outline
     other = serve("run", "--hand", str(files["hand"]))
