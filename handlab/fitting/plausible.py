@@ -67,11 +67,10 @@ def require_labels(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
     """Refuse exchanged labels, whichever hand it is: ``picture`` (N, 2) mm, y upwards."""
     source = flat_source(hand, "palmar", names)
     given = min((similarity(source, picture, mirror=mirror) for mirror in (False, True)), key=lambda found: found.scatter)
-    good = WORSE_THAN * given.scale * hand_length_mm(hand)
-    if given.scatter <= good:
+    if given.scatter <= WORSE_THAN * given.scale * hand_length_mm(hand):
         return
     swap, better = min((best_exchange(names, source, picture, mirror) for mirror in (False, True)), key=lambda found: found[1])
-    if swap is not None and given.scatter > BETTER * better and better <= good:  # else another point is far off: see ``require_together``
+    if swap is not None and given.scatter > BETTER * better and better < without_one(source, picture):
         raise FitError(
             f"{swap[0]} and {swap[1]} look exchanged: the points fit a hand much better the other way round "
             f"({better:.0f} instead of {given.scatter:.0f} mm off on average); swap them, or say sure=True",
@@ -112,6 +111,12 @@ def best_exchange(names: tuple[str, ...], source: Array, picture: Array, mirror:
         if scatter < best[1]:
             best = labels, scatter
     return best
+
+
+def without_one(source: Array, picture: Array) -> float:
+    """The scatter (mm) that is left when the one point is left out without which the others fit best."""
+    kept = [np.delete(np.arange(len(source)), k) for k in range(len(source))]
+    return min(similarity(source[rest], picture[rest], mirror=mirror).scatter for rest in kept for mirror in (False, True))
 
 
 def _same_joint(name: str, finger: str) -> str:
