@@ -66,7 +66,7 @@ def said(right: float, others: dict[str, float], answer: Any, what: str, unit: s
     for text, slip in others.items():
         if near(answer, slip, what, unit, part):
             raise Wrong(f"{what}: {text}")
-    raise Wrong(f"{what} is not {float(answer):.5g} {unit}.")
+    raise Wrong(f"{what} is not {f'{float(answer):.5g} {unit}'.strip()}.")
 
 
 def listing(names: Iterable[str]) -> str:

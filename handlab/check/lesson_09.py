@@ -102,7 +102,9 @@ def mine(length_mm: Any) -> str:
     given = number(length_mm, "The length", "millimetres")
     if not LEAST_LINE <= given <= MOST_LINE:
         raise Wrong(f"{given:g} mm: the line was 20 mm long. Give its length in the bent finger in millimetres.")
-    return f"Your skin is {100.0 * (given / 20.0 - 1.0):+.0f} percent longer there. Compare with the model below."
+    gain = round(100.0 * (given / 20.0 - 1.0))
+    told = f"{abs(gain)} percent {'longer' if gain > 0 else 'shorter'}" if gain else "as long as before"
+    return f"Your skin is {told} there. Compare with the model below."
 
 
 @EXERCISES.register("volume")

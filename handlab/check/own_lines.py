@@ -34,4 +34,4 @@ def compare(theirs: Array, right: Array, slips: dict[str, Array], what: str, uni
             raise Wrong(text)
     if theirs.shape != right.shape:
         raise Wrong(f"{what} has shape {theirs.shape}; it should have {right.shape}.")
-    raise Wrong(f"{what} comes out at {theirs.ravel()[0]:.4g}; the package has {right.ravel()[0]:.4g} {unit}.")
+    raise Wrong(f"{what} comes out at {theirs.ravel()[0]:.4g}; the package has {f'{right.ravel()[0]:.4g} {unit}'.strip()}.")

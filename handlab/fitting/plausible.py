@@ -47,8 +47,8 @@ def require_size(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
     length = best.scale * hand_length_mm(hand)
     if not SHORTEST_MM <= length <= LONGEST_MM:
         raise FitQuestion(
-            f"this hand would be {length:.0f} mm long from wrist to finger tip (adults: 150 to 220 mm); check the scale: the two clicks on "
-            "the ruler and the distance between them, centimetres or inches; or say sure=True if it is right",
+            f"this hand would be {length:.0f} mm long from wrist to finger tip (adults: 150 to 220 mm); check the scale: the "
+            "clicks on the ruler and the distance between them, centimetres or inches, or the coin; or say sure=True if it is right",
             choices=({"sure": True},),
         )
 

@@ -10,6 +10,8 @@ from typing import Any
 
 from handlab.show.main_thread import OnMain
 
+DPI = 90  # the picture fills the width of a cell: fewer dots look soft there, more make a drag of a slider slow
+
 
 class FigurePanel(ABC):
     """A panel with ``figure()`` and ``text()``; its own ``set(**changes)`` ends with ``_refresh()``.
@@ -74,7 +76,7 @@ class FigurePanel(ABC):
         from matplotlib import pyplot
 
         figure, file = self.figure(), io.BytesIO()
-        figure.savefig(file, format="png", dpi=60)
+        figure.savefig(file, format="png", dpi=DPI)
         pyplot.close(figure)
         self._picture.value = file.getvalue()
         self._readout.value = "<br>".join(escape(one) for one in self.text().splitlines())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from handlab.anatomy.data import PACKAGE
 
 FOLDER = Path("handlab-lessons")
 PATTERN = "[0-9][0-9]_*.ipynb"
+ROOT_TOO = "--allow-root"  # without it Jupyter refuses to start for root; it still listens to this computer only, with a key
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,13 @@ def lab(*, folder: Path = FOLDER, fresh: bool = False, browser: bool = True, por
     """
     sys.stdout.write(f"{copy_lessons(folder, fresh=fresh)}\n")
     sys.stdout.flush()
-    return open_lab(command(folder, browser=browser, port=port)) if start else 0
+    if not start:
+        return 0
+    line = command(folder, browser=browser, port=port)
+    if ROOT_TOO in line:
+        sys.stdout.write(f"You are root, as in a container: JupyterLab is started with {ROOT_TOO}.\n")
+        sys.stdout.flush()
+    return open_lab(line)
 
 
 def notebooks() -> tuple[Path, ...]:
@@ -126,6 +134,7 @@ def command(folder: Path, *, browser: bool = True, port: int | None = None) -> l
     options = ["--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={folder.resolve()}"]
     options += [] if browser else ["--no-browser"]
     options += [] if port is None else [f"--ServerApp.port={port}"]
+    options += [ROOT_TOO] if getattr(os, "geteuid", lambda: 1)() == 0 else []  # Windows has no geteuid
     return [sys.executable, "-m", "jupyterlab", *options]
 
 

@@ -6,6 +6,8 @@ from functools import cache, partial
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from handlab.show.main_thread import OnMain
 from handlab.show.module import STATIC
 from handlab.show.paint_picture import SKINS
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from handlab.show.paint_panel import PaintPanel
 
 NEAREST = "nearest"
+NAMED, WIDE = "124px", "404px"  # the longest label, and a control that shows the longest name of a muscle whole
 THICKEST_MM, DEEPEST_MM = 15.0, 15.0  # ends of the sliders; code may go further
 
 
@@ -43,7 +46,7 @@ class Controls:
         self.panel = panel
         self._moving = False
         self._rows = 0
-        hand, wide = panel.hand, {"description_width": "104px"}
+        hand, wide = panel.hand, {"description_width": NAMED}
         drives = [(f"{muscle.abbreviation}  {name.replace('_', ' ')}", name) for name, muscle in hand.muscles.items()]
         self.named: dict[str, Any] = {
             "name": w.Text(description="name", continuous_update=False, style=wide),
@@ -51,17 +54,19 @@ class Controls:
             "columns": w.IntSlider(min=2, max=8, description="points in a row", style=wide, continuous_update=False),
             "finer": w.IntSlider(min=1, max=6, description="divide rows by", style=wide, continuous_update=False),
             "thickness_mm": w.FloatRangeSlider(min=0.1, max=THICKEST_MM, step=0.1, description="thickness, mm", style=wide),
-            "skin_distance_mm": w.FloatSlider(max=DEEPEST_MM, step=0.1, description="skin distance", style=wide),
+            "skin_distance_mm": w.FloatSlider(max=DEEPEST_MM, step=0.1, description="skin distance, mm", style=wide),
+            "rows_mm": w.Text(description="skin distance, mm", continuous_update=False, style=wide),
             "contraction": w.FloatSlider(max=1.0, step=0.02, description="contraction", style=wide),
             "skin": w.ToggleButtons(options=SKINS, tooltips=[f"{skin} skin" for skin in SKINS], style={"button_width": "98px"}),
         }
         for name, control in self.named.items():
-            self._follow(control, panel.follow(name))
+            control.layout.width = WIDE
+            self._follow(control, OnMain(self._each_row) if name == "rows_mm" else panel.follow(name))
         self.ends = [w.Checkbox(description=f"{end} on bone", indent=False) for end in ("first row", "last row")]
         for end in self.ends:
             self._follow(end, OnMain(lambda _: panel._slid("on_bone", tuple(one.value for one in self.ends))))
         self.bones = w.VBox()
-        self.folder = w.Text(value="muscles", description="folder", style=wide)
+        self.folder = w.Text(value="muscles", description="folder", style=wide, layout={"width": "300px"})
         buttons = []
         for label, tip in (("Undo", "Take back the last change of the points"), ("Clear", "Take all points away; Undo brings them back")):
             button = w.Button(description=label, tooltip=tip)
@@ -92,6 +97,17 @@ class Controls:
             layout=w.Layout(width="420px"),
         )
 
+    def _each_row(self, text: str) -> None:
+        try:
+            given = tuple(float(one) for one in text.replace(",", " ").split())
+        except ValueError:
+            given = ()
+        if given:
+            self.panel._slid("skin_distance_mm", given)
+        else:
+            self.panel.said = f"{text!r} is no list of distances; write one in millimetres for each row, such as 6, 3, 2"
+            self.panel._refresh()
+
     def _side(self, view: str, _: Any) -> None:
         self.panel.set(view=view)
 
@@ -113,10 +129,10 @@ class Controls:
                     value = self.panel.contraction if name == "contraction" else self.panel.canvas.skin
                 if name == "thickness_mm":
                     control.max = max(THICKEST_MM, chosen.thickness_mm[1])
-                if name == "skin_distance_mm" and isinstance(value, tuple):
-                    control.disabled = True  # each row has its own, set in code
-                    continue
-                control.value = value
+                if name in ("skin_distance_mm", "rows_mm"):
+                    value = self._distance(name, chosen.skin_distance_mm)
+                if value is not None:
+                    control.value = value
             for end, value in zip(self.ends, chosen.on_bone, strict=True):
                 end.value = value
             for k, choice in enumerate(self.bones.children):
@@ -129,6 +145,17 @@ class Controls:
         told = [f"<b>{line}</b>" if line in loud or line.startswith("No muscle") else line for line in lines]
         self.readout.value = f'<div style="line-height:1.4">{"<br>".join(told)}</div>'
 
+    def _distance(self, name: str, given: float | tuple[float, ...]) -> Any:
+        """Show the slider where one distance holds for all rows, the list where each row has its own; the value of either."""
+        control, each = self.named[name], isinstance(given, tuple)
+        control.layout.display = None if each == (name == "rows_mm") else "none"
+        if name == "rows_mm":
+            return ", ".join(f"{one:g}" for one in np.atleast_1d(given))
+        if isinstance(given, tuple):
+            return None
+        control.max = max(DEEPEST_MM, given)
+        return given
+
     def _bone_rows(self, count: int) -> None:
         """One choice of a bone for every whole row."""
         if count == self._rows:
@@ -138,7 +165,7 @@ class Controls:
         choices = list(self.bones.children[:count])
         for k in range(len(choices), count):
             options = [(f"{NEAREST} bone", NEAREST), *((name.replace("_", " "), name) for name in self.panel.hand.bones)]
-            choice = w.Dropdown(options=options, description=f"row {k + 1}", style={"description_width": "104px"})
+            choice = w.Dropdown(options=options, description=f"row {k + 1}", style={"description_width": NAMED}, layout={"width": WIDE})
             self._follow(choice, OnMain(partial(self._chosen, k)))
             choices.append(choice)
         self.bones.children, self._rows = choices, count

@@ -31,6 +31,14 @@ MOST_FINER = 6
 Row = str | Mapping[str, float] | None
 
 
+class NotYet(ValueError):  # noqa: N818 (points that are still to come are no error)
+    """What is painted makes no muscle yet. In a notebook it is told in one line, without the ways of the program."""
+
+    def _render_traceback_(self) -> list[str]:
+        """What IPython prints instead of a traceback."""
+        return [str(self)]
+
+
 @dataclass(frozen=True)
 class Settings:
     """What is set beside the points.
@@ -224,9 +232,13 @@ class Painting:
     def required(self) -> Result:
         """The result. Raises ``ValueError`` with the reason where there is none."""
         if self.problem is not None:
-            raise ValueError(self.problem)
+            raise NotYet(f"There is no muscle yet: {self.problem}. Drag a point or undo, then run this again")
         if self.result is None:
-            raise ValueError(f"{len(self.points)} points are no muscle yet; a grid needs two rows of {self.settings.columns} at least")
+            count = len(self.points) or "no"
+            raise NotYet(
+                f"There is no muscle yet: {count} {'point is' if count == 1 else 'points are'} painted. Click {self.missing} more on "
+                f"the skin, in rows of {self.settings.columns} from the origin to the insertion; then run this again"
+            )
         return self.result
 
     def save(self, folder: str | Path, *, overwrite: bool = False) -> Path:

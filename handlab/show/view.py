@@ -20,7 +20,7 @@ from handlab.simulation.state import State
 Kind = Literal["widget", "trame", "picture", "page", "still"]
 KINDS: tuple[Kind, ...] = ("widget", "trame", "picture", "page", "still")
 SAYS = {
-    "widget": "live hand: a click gives it the keyboard, muscles are on the left",
+    "widget": "live hand: a click gives it the keyboard; the muscles have sliders beside it, or below it in a slim cell",
     "trame": "pyvista in trame: the camera is live, set(state) moves the hand",
     "picture": "a picture that set(state) or the slider draws anew",
     "page": "a page that plays by itself: no kernel moves this hand",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,20 @@ from handlab.fitting.raster import foremost
 
 RULER_MM = 150
 MARGIN_MM = 14.0
+STRIP_MM, TALL_MM, STROKE_MM = 21.0, 4.2, 0.7  # width of the paper; height of a digit and of its line
+# A pen's way through a cell of 4 by 6, upwards: "14 26 20" goes by (1, 4) and (2, 6) to (2, 0).
+DIGITS = (
+    "10 30 41 45 36 16 05 01 10",
+    "14 26 20",
+    "05 16 36 45 44 00 40",
+    "05 16 36 45 44 33 13 33 42 41 30 10 01",
+    "30 36 02 42",
+    "46 06 04 34 43 41 30 10 01",
+    "36 16 05 01 10 30 41 42 33 03",
+    "06 46 10",
+    "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33",
+    "10 30 41 45 36 16 05 04 13 43",
+)
 SKIN, PAPER, GROUND, INK = (np.array(rgb) for rgb in ((0.87, 0.66, 0.55), (0.97, 0.96, 0.91), (0.10, 0.12, 0.15), (0.12, 0.12, 0.12)))
 
 
@@ -112,12 +127,33 @@ def _shaded(skin: Array, faces: NDArray[np.int64], flipped: bool) -> Array:
 
 
 def _ruler(picture: Array, ends: Array) -> None:
-    """A strip of paper whose right edge runs from 0 (below) to 150 mm, with a line for every millimetre."""
+    """A strip of paper whose right edge runs from 0 (below) to 150 mm: a line for every millimetre, a number for every ten."""
     (x, bottom), top = ends[0], ends[1, 1]
     per_mm = (bottom - top) / RULER_MM
     edge, spare = int(x), int(4 * per_mm)
-    picture[max(0, int(top) - spare) : int(bottom) + spare, max(0, int(x - 12.0 * per_mm)) : edge] = PAPER
+    picture[max(0, int(top) - spare) : int(bottom) + spare, max(0, int(x - STRIP_MM * per_mm)) : edge] = PAPER
     for tick in range(RULER_MM + 1):
         row = round(bottom - tick * per_mm)
         long = 8.0 if tick % 50 == 0 else 6.0 if tick % 10 == 0 else 4.0 if tick % 5 == 0 else 2.5
         picture[row : row + 1, int(x - long * per_mm) : edge] = INK
+        if tick % 10 == 0:
+            _number(picture, tick, x - 9.0 * per_mm, row + 0.5, per_mm)
+
+
+def _number(picture: Array, number: int, right: float, middle: float, per_mm: float) -> None:
+    """Write ``number`` left of the column ``right``, about the row ``middle``, with soft edges."""
+    unit = TALL_MM * per_mm / 6.0
+    left = right - (5.4 * len(str(number)) - 1.4) * unit
+    top = max(0, int(middle - 4.0 * unit))
+    area = picture[top : int(middle + 4.0 * unit) + 1, max(0, int(left - unit)) : int(right + unit) + 1]
+    pixel = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in area.shape[:2]), indexing="ij")[::-1], axis=-1)
+    pixel += [max(0, int(left - unit)), top]
+    far = np.full(area.shape[:2], np.inf)
+    for k, digit in enumerate(str(number)):
+        way = np.array([[int(one) for one in place] for place in DIGITS[int(digit)].split()])
+        pen = np.array([left, middle]) + ((way + np.array([5.4 * k, -3.0])) * [unit, -unit])
+        for a, b in pairwise(pen):
+            along = np.clip((pixel - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+            far = np.minimum(far, np.linalg.norm(pixel - a - along[..., None] * (b - a), axis=-1))
+    ink = np.clip(0.5 * max(STROKE_MM * per_mm, 1.0) + 0.5 - far, 0.0, 1.0)[..., None]
+    area[:] = ink * INK + (1.0 - ink) * area

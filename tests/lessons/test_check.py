@@ -1,11 +1,14 @@
 """A check helps and never stops a notebook, except where it is asked to insist."""
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from handlab.check import NotAnswered, WrongAnswer, lesson
+from handlab.check.answers import said
 from handlab.check.lesson import Exercises, Lesson, numbers
+from handlab.check.own_lines import compare
 from handlab.check.verdict import Open, Outcome, Wrong, is_open
 
 
@@ -27,6 +30,17 @@ def check(monkeypatch):
         return "Now look."
 
     return Lesson(exercises)
+
+
+def test_a_number_without_a_unit_ends_at_its_full_stop():
+    with pytest.raises(Wrong, match=r"^The ratio is not 3\.$"):
+        said(4.0, {}, 3, "The ratio", "")
+    with pytest.raises(Wrong, match=r"^The width is not 3 mm\.$"):
+        said(4.0, {}, 3, "The width", "mm")
+    with pytest.raises(Wrong, match=r"the package has 0\.6925\.$"):
+        compare(np.array(3.0), np.array(0.6925), {}, "thicker", "")
+    with pytest.raises(Wrong, match=r"the package has 0\.6925 m\.$"):
+        compare(np.array(3.0), np.array(0.6925), {}, "thicker", "m")
 
 
 def test_an_open_answer_is_noted_and_does_not_stop_the_notebook(check, capsys):

@@ -45,7 +45,6 @@ def jupyter(chromium, tmp_path_factory):
         "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep),
     }
     line = lab.command(place / "lessons", browser=False, port=port)
-    line += ["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     with (place / "log.txt").open("w") as log:
         process = subprocess.Popen(line, cwd=place, env=environment, stdout=log, stderr=subprocess.STDOUT)
         try:

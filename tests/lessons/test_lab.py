@@ -125,6 +125,21 @@ def test_jupyterlab_opens_on_the_folder_of_this_computer_only(tmp_path):
     assert not [word for word in line if "token" in word], "Jupyter makes a random key; nothing here weakens it"
 
 
+@pytest.mark.parametrize(("user", "root"), [(0, True), (1000, False), (None, False)])
+def test_root_is_let_in_and_told_so_and_nobody_else(tmp_path, monkeypatch, capsys, user, root):
+    pytest.importorskip("jupyterlab")
+    if user is None:  # Windows
+        monkeypatch.delattr(os, "geteuid", raising=False)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
+    started = []
+    monkeypatch.setattr(lab, "open_lab", lambda line: started.extend(line) or 0)
+    assert lab.lab(folder=tmp_path / "mine", browser=False) == 0
+    assert ("--allow-root" in started) is root
+    told = [line for line in capsys.readouterr().out.splitlines() if "root" in line and "mine" not in line]
+    assert len(told) == root
+
+
 def test_the_exit_code_of_jupyterlab_is_passed_on():
     assert lab.open_lab([sys.executable, "-c", "raise SystemExit(3)"]) == 3
 

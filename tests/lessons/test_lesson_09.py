@@ -45,7 +45,9 @@ def hint(exercise, *answers):
 
 def test_any_honest_length_of_a_line_is_noted():
     assert said("mine", 26).outcome is Outcome.NOTED
-    assert "+30 percent" in said("mine", 26).text
+    assert "is 30 percent longer there" in said("mine", 26).text
+    assert "is 10 percent shorter there" in said("mine", 18).text
+    assert "as long as before" in said("mine", 20).text
     assert "in millimetres" in hint("mine", 2.6)
     assert "one number" in hint("mine", "long")
 

@@ -253,10 +253,28 @@ def test_a_grid_of_two_points_is_no_muscle_yet(panel, rows):
     panel.add(rows[0])
     assert panel.problem is None
     assert "2 more clicks" in panel.text()
-    with pytest.raises(ValueError, match="2 points are no muscle yet"):
+    with pytest.raises(ValueError, match=r"2 points are painted\. Click 2 more"):
         _ = panel.grid
     with pytest.raises(ValueError, match="no muscle yet"):
         panel.save("nowhere")
+
+
+def test_a_grid_before_any_click_is_told_in_one_line_of_a_notebook(panel, rows):
+    shells = pytest.importorskip("IPython.core.interactiveshell")
+    shell = shells.InteractiveShell.instance()
+    told = []
+    shell._showtraceback = lambda kind, error, lines: told.append(lines)
+    shell.user_ns["own_panel"] = panel
+    try:
+        shell.run_cell("mine = own_panel.grid")
+        panel.add([rows[1], rows[0], rows[2]])
+        shell.run_cell("mine = own_panel.grid")
+    finally:
+        del shell._showtraceback
+        shells.InteractiveShell.clear_instance()
+    (none,), (crossed,) = told
+    assert none.startswith("There is no muscle yet: no points are painted. Click 4 more on the skin")
+    assert "crosses itself" in crossed
 
 
 def test_a_grid_that_crosses_itself_is_told_kept_and_can_be_mended(panel, rows):
@@ -382,6 +400,23 @@ def test_the_controls_do_what_set_does_and_a_wrong_value_is_told_and_put_back(pa
     panel.set(thickness_mm=(1, 20))
     assert named["thickness_mm"].value == (1, 20)
     assert page[-1][1] < 60_000, "bytes of a picture"
+
+
+def test_the_controls_show_the_skin_distance_of_every_row(panel, page):
+    """As in lesson 8: three rows, three distances; one for all is the slider's."""
+    slider, each = (panel._controls.named[name] for name in ("skin_distance_mm", "rows_mm"))
+    assert (slider.layout.display, each.layout.display) == (None, "none")
+    panel.set(skin_distance_mm=(6, 3, 2))
+    assert (slider.layout.display, each.layout.display, each.value) == ("none", None, "6, 3, 2")
+    each.value = "5 3, 2.5"
+    assert panel.painting.settings.skin_distance_mm == (5, 3, 2.5)
+    for wrong in ("five", "", "5, 900"):
+        each.value = wrong
+        assert panel.painting.settings.skin_distance_mm == (5, 3, 2.5)
+        assert "distance" in panel.said
+        assert each.value == "5, 3, 2.5"
+    each.value = "20"
+    assert (slider.layout.display, slider.value, each.layout.display) == (None, 20, "none")
 
 
 def test_the_save_button_writes_and_says_where(panel, page, rows, tmp_path):

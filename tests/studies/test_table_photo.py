@@ -34,6 +34,22 @@ def test_clicks_on_the_ruler_give_the_scale_of_its_own_height(photo):
     assert photo.scale["mm"] == RULER_MM
 
 
+def test_every_ten_millimetres_of_the_ruler_have_their_number(photo):
+    """As many separate shapes of ink left of the lines as there are digits, each number level with its line."""
+    from scipy.ndimage import find_objects, label
+
+    (edge, bottom), top = photo.ruler_px[0], photo.ruler_px[1, 1]
+    per_mm = (bottom - top) / RULER_MM
+    dark = photo.pixels.astype(int).sum(axis=2) < 380
+    left, right = (int(edge - mm * per_mm) for mm in (20.5, 8.7))
+    spots, _ = label(dark[int(top - 4 * per_mm) + 1 : int(bottom + 4 * per_mm), left:right], np.ones((3, 3)))
+    rows = [(spot[0].start + spot[0].stop) / 2 + int(top - 4 * per_mm) + 1 for spot in find_objects(spots)]
+    written = [f"{tick}" for tick in range(0, RULER_MM + 1, 10)]
+    assert len(rows) == sum(len(number) for number in written) == 1 + 9 * 2 + 6 * 3
+    for tick, number in zip(range(0, RULER_MM + 1, 10), written, strict=True):
+        assert sum(abs(row - (bottom - tick * per_mm)) < 1.0 * per_mm for row in rows) == len(number)
+
+
 def test_every_mark_is_seen_above_its_true_place_towards_the_rim(photo):
     for name in NAMES:
         x, y, height = photo.marks_mm[name]

@@ -64,7 +64,7 @@ class Page {
     const kept = this.transport.store ? await this.transport.store.read() : null;
     if (this.told.picture) {
       const same = kept?.clicks && kept.of === this.mark(this.told.picture);
-      await this.show(this.told.picture, same ? kept.clicks : this.told.clicks);
+      this.show(this.told.picture, same ? kept.clicks : this.told.clicks);
     } else if (kept?.picture) await this.open(kept.picture, kept.name, kept);
     if (this.picture) this.go(this.due());
   }
@@ -125,7 +125,8 @@ class Page {
     this.hush();
     if (step !== "photo") this.stage.focus({ preventScroll: true });
     this.panel();
-    this.paint();
+    this.side.scrollTop = 0;
+    if (this.moved) this.paint(); else this.whole(); // the stage has a size only now
   }
 
   due() { return !this.clicks.view || !this.scaled() ? "scale" : "points"; }
@@ -155,15 +156,14 @@ class Page {
     this.history = [];
     this.ruler = [];
     this.asked = null;
-    await this.show(reply.picture, clicks);
+    this.show(reply.picture, clicks);
     this.go(this.due());
   }
 
-  async show(picture, clicks) {
+  show(picture, clicks) {
     this.picture = picture;
     this.clicks = { ...empty(), ...clicks };
-    this.img.src = picture.image;
-    await this.img.decode().catch(() => {});
+    this.img.src = picture.image; // drawn when it is there: nothing waits for it
     this.moved = false;
     this.whole();
     this.keep();
@@ -226,12 +226,14 @@ class Page {
 
   putScale(place) {
     if (!this.clicks.view) { this.say({ text: "First: does the picture show the palm or the back?" }); return; }
+    if (this.waiting) return; // the coin that was clicked is still looked for
     if (this.kind === "ruler") {
       if (this.ruler.length === 1) this.change(() => { this.clicks.scale = { ruler: [this.ruler[0], place] }; this.ruler = []; this.clicks.sure = false; });
       else this.change(() => { this.ruler = [place]; this.clicks.scale = {}; });
     } else {
       this.change(() => { this.clicks.scale = this.kind === "coin" ? { coin: place, name: this.coin } : { card: place }; this.clicks.sure = false; });
       this.waiting = true; // the coin is looked for: on with the points when it is found
+      this.busy(`looking for the ${this.kind} ...`);
     }
   }
 
@@ -299,6 +301,7 @@ class Page {
     if (this.placed().length < 4) this.sketch = null;
     if (!reply.good || reply.trouble) { this.say(reply.trouble ?? reply, "clicks"); if (!reply.good && this.waiting) this.change(() => { this.clicks.scale = {}; }); }
     else if (this.from === "clicks") this.hush(); // other messages stay until the user does something
+    if (this.waiting) this.busy(null);
     if (this.waiting && reply.good && this.scale) { this.waiting = false; this.go("points"); return; }
     this.waiting = false;
     this.live();
@@ -332,7 +335,8 @@ class Page {
     this.busy("the hand goes live ...");
     const reply = await this.ask({ kind: "move", clicks: this.clicks });
     this.busy(null);
-    if (reply.good && this.transport.close) this.transport.close(); else this.say({ ...reply, text: reply.said ?? reply.text });
+    if (reply.good && this.transport.close) this.transport.close();
+    else { this.say({ ...reply, text: reply.said ?? reply.text }); this.message.classList.toggle("good", !!reply.good); }
   }
 
   async guess() { // points are looked for in the outline; a person corrects them
@@ -593,7 +597,7 @@ class Page {
       return make("button", { type: "button", className: "hf-choice", data: { view }, onclick: () => { this.stats.actions += 1; this.change(() => { this.clicks.view = view; }); this.go(this.due()); } }, drawing ? make("img", { src: drawing.image, alt: "" }) : null, make("b", { textContent: text }));
     };
     return [make("h2", { textContent: "What does the picture show?" }), make("div", { className: "hf-choices" }, choice("palmar", "the palm"), choice("dorsal", "the back")),
-      make("p", { className: "faint", textContent: "Of which hand, the points will tell." })];
+      make("p", { className: "faint", textContent: "Left or right: the points will tell." })];
   }
 
   scalePanel() {
@@ -664,7 +668,7 @@ class Page {
   live() {
     if (!this.info?.isConnected) return;
     const { sketch } = this;
-    if (!sketch) { this.info.replaceChildren(make("span", { textContent: "The outline shows from the fourth point on." })); return; }
+    if (!sketch) { this.info.replaceChildren(make("span", { textContent: this.placed().length < 4 ? "The outline shows from the fourth point on." : "No outline yet: are all points where they belong?" })); return; }
     this.info.replaceChildren(make("span", { textContent: `${sketch.view === "palmar" ? "palm" : "back"} of a ${sketch.side} hand` }), sketch.iou === null ? make("span", { textContent: "no overlap: the ground looks like skin" }) : make("span", { className: "iou", textContent: `overlap ${percent(sketch.iou)}` }));
   }
 
@@ -707,6 +711,7 @@ class Page {
     this.doubted = names;
     this.message.replaceChildren(make("p", { textContent: text }), ...choices.map(({ label, answer }) => push(label, () => { this.stats.actions += 1; this.answer(answer); }, { className: "hf-btn" })));
     this.message.hidden = false;
+    this.message.classList.remove("good");
     if (!this.message.isConnected) this.side.append(this.message);
     this.paint();
   }
@@ -770,10 +775,10 @@ const STYLE = `
 .hf-head b { font-size:2.5em; line-height:1; display:block; } .hf-head span { color:var(--faint); } .hf-chips { display:flex; flex-wrap:wrap; gap:.35em; } .hf-chips span { background:#eef2f5; border-radius:99px; padding:.15em .8em; font-size:.92em; } .hf-chips .iou { background:#e3f4ed; }
 .hf table { border-collapse:collapse; width:100%; font-variant-numeric:tabular-nums; margin:0; border:0; } .hf caption { text-align:left; font-weight:600; padding:0 0 4px; caption-side:top; } .hf th { font-weight:400; text-align:left; padding:3px 4px 3px 0; font-size:.92em; background:none; } .hf thead th { text-align:right; color:var(--faint); font-size:.82em; } .hf td { text-align:right; padding:2px 0; border-top:1px solid var(--rule); line-height:1.15; background:none; } .hf tbody th { border-top:1px solid var(--rule); } .hf td b { display:block; font-weight:650; } .hf td small { color:var(--faint); font-size:.78em; }
 .hf-say { background:#fff4ea; border:1px solid #f0b58a; border-left:5px solid var(--vermilion); border-radius:8px; padding:.6em .8em; display:flex; flex-direction:column; gap:.5em; align-items:flex-start; order:-1; position:sticky; top:0; z-index:3; box-shadow:0 4px 14px rgba(31,41,51,.14); } .hf-say .hf-btn { white-space:normal; text-align:left; }
-.hf[data-step=photo] .hf-say { position:static; max-width:760px; }
+.hf-say.good { background:#e8f6ef; border-color:#8fcbb0; border-left-color:#009E73; } .hf[data-step=photo] .hf-say { position:static; max-width:760px; }
 .hf-wait { position:absolute; left:50%; top:50%; transform:translate(-50%,-50%); background:#1f2933; color:#fff; padding:.7em 1.4em; border-radius:10px; z-index:9; box-shadow:0 6px 30px rgba(0,0,0,.35); }
 .hf[data-size=small] { grid-template:auto minmax(0,1fr) auto / minmax(0,1fr); } .hf[data-size=small] > header { flex-wrap:wrap; gap:4px 10px; padding:6px 10px; } .hf[data-size=small] .hf-steps { order:3; flex-basis:100%; } .hf[data-size=small] .hf-steps button { padding:3px 8px; font-size:.86em; } .hf[data-size=small] h1 { flex:1; font-size:1.1em; }
 .hf[data-size=small] .hf-side { border-left:0; border-top:1px solid var(--rule); max-height:48vh; padding:10px; gap:.5em; } .hf[data-size=small][data-step=photo] .hf-side { max-height:none; } .hf[data-size=small] .hf-drop { flex-direction:column; padding:20px; gap:14px; } .hf[data-size=small] .hf-welcome { height:20vh; }
 .hf[data-size=small] .hf-ask { flex-direction:row; align-items:center; } .hf[data-size=small] .hf-drawing { width:150px; height:150px; flex:none; } .hf[data-size=small] .hf-words h2 { font-size:1.1em; } .hf[data-size=small] .hf-choice img { max-height:18vh; } .hf[data-size=small][data-step=hand] .hf-side { max-height:60vh; }
-.hf.low:not([data-size=small]) .hf-drawing { height:34vh; } .hf.low:not([data-size=small]) .hf-welcome { height:34vh; } .hf.low .hf-drop { padding:18px 28px; }
+.hf.low:not([data-size=small]) .hf-drawing { height:34vh; } .hf[data-size=middle] .hf-side { container-type:size; } .hf[data-size=middle] .hf-drawing { height:min(44vh,420px,max(40cqh,150px)); } .hf.low:not([data-size=small]) .hf-welcome { height:34vh; } .hf.low .hf-drop { padding:18px 28px; }
 `;
