@@ -15,12 +15,12 @@ from handlab.anatomy.glb import read_glb
 from handlab.anatomy.growth import Growth, grown_muscles
 from handlab.anatomy.mirror import mirrored
 from handlab.anatomy.passive import passive, printed_friction
+from handlab.anatomy.picture import PICTURE, read_picture
 from handlab.anatomy.records import Array, Body, Bone, DegreeOfFreedom, FineSkin, Hand, Joint, Named, Skin, frozen
 from handlab.anatomy.terms import BONES, UnknownName
 
 READINGS = ("sound", "printed")
 SIDES = ("right", "left")
-PICTURE = "skin.png"  # the skin's colours, for a hand that has its own
 PEOPLE = ("man", "child")  # hands that ship with the package, made from photographs
 WEIGHT_STEPS = 2**20  # blend weights are multiples of 1/2^20: 32 bits hold them, and rows add to exactly 1
 
@@ -56,18 +56,8 @@ def load_hand(path: str | os.PathLike[str] | None = None, *, side: str | None = 
     except ValueError as error:
         raise ValueError(f"{folder} is not a complete hand: {error}; build or save it again") from error
     if (folder / PICTURE).is_file():
-        hand = hand.with_(picture=_picture(folder / PICTURE))
+        hand = hand.with_(picture=read_picture(folder / PICTURE))
     return hand if side in (None, hand.side) else mirrored(hand)
-
-
-def _picture(path: Path) -> Any:
-    from PIL import Image
-
-    try:
-        with Image.open(path, formats=("PNG",)) as picture:
-            return frozen(picture.convert("RGB"), np.uint8)
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise ValueError(f"{path} is no picture: {error}; remove it, and the skin has the colours of the reference hand") from error
 
 
 def _assemble(geometry: dict[str, Any], meshes: dict[str, dict[str, Any]], reading: str) -> Hand:

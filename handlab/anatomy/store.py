@@ -21,7 +21,8 @@ from uuid import uuid4
 import numpy as np
 
 from handlab.anatomy.glb import INDICES, write_glb
-from handlab.anatomy.load import PICTURE, exact_weights, load_hand
+from handlab.anatomy.load import exact_weights, load_hand
+from handlab.anatomy.picture import PICTURE, write_picture
 from handlab.anatomy.records import Array, FineSkin, Hand, Index, Skin
 
 FILES = ("hand.glb", "hand.json")
@@ -52,9 +53,7 @@ def save_hand(hand: Hand, folder: str | os.PathLike[str]) -> Path:
         )
         (part / "hand.json").write_text(json.dumps(_table(hand), indent=1) + "\n", encoding="utf-8")
         if hand.picture is not None:
-            from PIL import Image
-
-            Image.fromarray(hand.picture).save(part / PICTURE, optimize=True)
+            write_picture(part / PICTURE, hand.picture)
         _check(hand, load_hand(part))
     return place
 

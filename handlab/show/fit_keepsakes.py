@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from handlab.anatomy.load import PEOPLE, PICTURE, load_hand
+from handlab.anatomy.load import PEOPLE, load_hand
+from handlab.anatomy.picture import PICTURE
 from handlab.anatomy.records import Hand
 from handlab.anatomy.store import FILES as HAND_FILES
 from handlab.anatomy.store import save_hand

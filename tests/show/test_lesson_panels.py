@@ -46,6 +46,16 @@ def test_the_rays_of_the_side_view_meet_the_camera(child):
         assert ray[1][1] == 0.0
 
 
+def test_a_picture_has_about_as_many_dots_as_a_wide_cell(child):
+    """Fewer look soft when the cell stretches them, many more make a drag slow."""
+    pytest.importorskip("ipywidgets")
+    from PIL import Image
+
+    panel = RulerPanel(child)
+    assert panel.widget
+    assert 1300 < Image.open(io.BytesIO(panel._picture.value)).width < 1700
+
+
 def test_the_sliders_of_the_ruler_do_what_set_does(child):
     pytest.importorskip("ipywidgets")
     panel = RulerPanel(child)

@@ -29,7 +29,7 @@ function render({ model, el }) {
 
   const size = () => box.getBoundingClientRect();
   const at = (event) => { const r = size(); return { x: (event.clientX - r.left) / r.width, y: (event.clientY - r.top) / r.height }; };
-  const circle = (x, y, front, label, colour) => {
+  const circle = (x, y, front, label, colour, left) => {
     const r = size(), dot = document.createElementNS(SVG, "circle");
     const set = (node, what) => { for (const [k, v] of Object.entries(what)) node.setAttribute(k, v); };
     set(dot, { cx: x * r.width, cy: y * r.height, r: front ? 5 : 3.5, fill: front && colour ? colour : "none", stroke: BLUE, "stroke-width": 2 });
@@ -37,7 +37,7 @@ function render({ model, el }) {
     svg.append(dot);
     if (!label) return;
     const text = document.createElementNS(SVG, "text");
-    set(text, { x: x * r.width + 9, y: y * r.height - 7, fill: BLUE, stroke: WHITE, "stroke-width": 3, "paint-order": "stroke",
+    set(text, { x: x * r.width + (left ? -10 : 10), y: y * r.height + 4, "text-anchor": left ? "end" : "start", fill: BLUE, stroke: WHITE, "stroke-width": 3, "paint-order": "stroke",
       "font-size": 12, "font-weight": 600, "font-family": "system-ui, sans-serif" });
     text.textContent = label;
     svg.append(text);
@@ -46,8 +46,9 @@ function render({ model, el }) {
     svg.replaceChildren();
     marks.forEach(([x, y, front], k) => {
       const held = drag && drag.mark === k && drag.moved;
-      const row = Math.floor(k / columns) + 1; // the first point of every row carries its number
-      circle(held ? drag.x : x, held ? drag.y : y, front, k % columns === 0 && front ? `row ${row}` : "", WHITE);
+      const row = Math.floor(k / columns) + 1; // the first point of every row carries its number, away from the second
+      const left = k % columns === 0 && marks.length > k + 1 && marks[k + 1][0] > x;
+      circle(held ? drag.x : x, held ? drag.y : y, front, k % columns === 0 && front ? `row ${row}` : "", WHITE, left);
     });
     pending.forEach(({ x, y }) => circle(x, y, true, "", "")); // on their way: hollow
   };
