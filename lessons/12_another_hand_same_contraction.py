@@ -125,8 +125,7 @@ for k, name in enumerate(("length", "force", "torque", "inertia")):
     axes.loglog(lengths, [one[name] / before[name] for one in grown], label=name, marker="os^D"[k], markersize=11, **line(k))
     people = [(size.strengths(person)[name] / before[name], person.growth.length) for person in (child, man)]
     axes.plot([at for _, at in people], [ratio for ratio, _ in people], "*", color="black", markersize=17)
-axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: child, man")
-axes.set(xticks=lengths, xticklabels=lengths)
+axes.set(xlabel="L", ylabel="times the reference hand", title="slopes 1, 2, 3, 5; stars: child, man", xticks=lengths, xticklabels=lengths)
 axes.minorticks_off()
 axes.legend()
 plt.close(figure)

@@ -384,7 +384,7 @@ export class Hand3D {
     if (frame) this.motion.set(frame.motion);
     this.raised.fill(0);
     if (frame?.ridges) frame.ridges.points.forEach((v, k) => { this.raised[v] = frame.ridges.lifts[k] * LIFT_UNIT; });
-    if (frame) { this.force = frame.force.slice(); this.angle = frame.angle.slice(); }
+    if (frame?.force) { this.force = frame.force.slice(); this.angle = frame.angle.slice(); }
     if (frame) this.segments = frame.segments ? frame.segments.slice() : null;
     if (frame && frame.skin) for (let v = 0; v < this.coarse.length; v++) this.coarse[v] = frame.skin[v] * this.scene.unit;
     else {
