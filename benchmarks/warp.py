@@ -10,7 +10,7 @@ POINTS, CENTRES, ROUNDS = 30_000, 26, 15
 
 
 def measured() -> dict[str, float]:
-    """Milliseconds, the best round: ours, its sum on one thread, scipy, VTK, and a whole fit of the reference hand from 26 clicks."""
+    """Milliseconds, the best round: ours, scipy, VTK, and a whole fit of the reference hand from 26 clicks."""
     from scipy.interpolate import RBFInterpolator
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonCore import vtkPoints
@@ -19,7 +19,7 @@ def measured() -> dict[str, float]:
     import handlab as hl
     from handlab.fitting.fit import fit_points
     from handlab.fitting.landmarks import NAMES
-    from handlab.physics import rbf, rbf_kernel
+    from handlab.physics import rbf
 
     rng = np.random.default_rng(0)
     source = rng.normal(size=(CENTRES, 3)) * [0.05, 0.04, 0.008]
@@ -47,10 +47,8 @@ def measured() -> dict[str, float]:
     hand = hl.load_hand()
     clicks = {name: (-1e4 * p[2], -1e4 * p[0]) for name in NAMES for p in [hand.skin.points[hand.feature_points[name]["palmar"]]]}
     query.setflags(write=False)
-    out, arrays = np.empty_like(query), rbf._arrays(warp)
     works = {
         "ours": lambda: warp(query),
-        "one thread": lambda: rbf_kernel.evaluate(query, *arrays, out),
         "scipy": lambda: scipy(query),
         "vtk": vtk,
         "fit": lambda: fit_points(hand, clicks, 0.1, view="palmar", side="left"),

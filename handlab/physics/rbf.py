@@ -6,7 +6,6 @@ out of the sum, so an affine map is returned as it is). Arrays in, arrays out; a
 
 from __future__ import annotations
 
-from threading import Thread
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,6 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-7  # of the largest spread: points thinner than this lie in one plane, on one line, or at one place
 SAME = 1e-9  # of the largest spread: points nearer than this are one point
-TWO_THREADS = 20_000  # points: from here on half the work is worth more than a thread costs (0.06 ms)
 
 
 class Warp(NamedTuple):
@@ -100,15 +98,8 @@ def warped(warp: Warp, points: ArrayLike) -> Array:
     x = np.asarray(points, dtype=np.float64)
     flat = np.ascontiguousarray(x.reshape(-1, 3))
     flat.setflags(write=False)  # kernels are compiled anew for arrays that can be written
-    out, arrays = np.empty(flat.shape), _arrays(warp)
-    if len(flat) < TWO_THREADS:
-        evaluate(flat, *arrays, out)
-    else:
-        half = len(flat) // 2
-        other = Thread(target=evaluate, args=(flat[half:], *arrays, out[half:]))
-        other.start()
-        evaluate(flat[:half], *arrays, out[:half])
-        other.join()
+    out = np.empty(flat.shape)
+    evaluate(flat, *_arrays(warp), out)
     return out.reshape(x.shape)
 
 
