@@ -5,11 +5,16 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import handlab as hl
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
+CLICKED = 20  # of 26 points
 HELD = {"open": "open", "fist": "fist", "pinch": "pinch", "ok": "OK", "opposition-little": "opposition"}
 
 
@@ -45,22 +50,34 @@ def main() -> None:
     hl.bulge_figure(hand, path=FOLDER / "bulge.png")
     hl.skins_figure(hand, path=FOLDER / "skins.png")
     live_view()
+    own_hand()
 
 
-def live_view() -> None:
-    """The page that ``handlab`` opens, with the pinch held, solid and translucent (needs playwright and Chromium)."""
+@contextmanager
+def served(*command: str, size: tuple[int, int]) -> Iterator[Any]:
+    """A page of the running command in Chromium (needs playwright)."""
     from playwright.sync_api import sync_playwright
 
-    command = [sys.executable, "-m", "handlab.cli", "--no-browser", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as play:
+    words = [sys.executable, "-m", "handlab.cli", *command, "--no-browser", "--port", "0"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as play:
         assert server.stdout is not None
         address = next(found.group(0) for line in server.stdout if (found := re.search(r"http://\S+", line)))
         browser = play.chromium.launch(
             executable_path="/usr/bin/chromium",
             args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
         )
-        page = browser.new_page(viewport={"width": 1440, "height": 900})
-        page.goto(address)
+        try:
+            page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+            page.goto(address)
+            yield page
+        finally:
+            browser.close()
+            server.terminate()
+
+
+def live_view() -> None:
+    """The page that ``handlab`` opens, with the pinch held, solid and translucent."""
+    with served("run", size=(1440, 900)) as page:
         page.get_by_role("button", name="pinch", exact=True).click(timeout=60_000)
         page.get_by_role("button", name="radial", exact=True).click()
         page.wait_for_timeout(6_000)
@@ -68,8 +85,37 @@ def live_view() -> None:
         page.get_by_role("button", name="translucent", exact=True).click()
         page.wait_for_timeout(2_000)
         page.screenshot(path=FOLDER / "viewer_translucent.png")
-        browser.close()
-        server.terminate()
+
+
+def own_hand() -> None:
+    """The page "Your own hand" with a computed photograph and most of its points clicked."""
+    from PIL import Image
+
+    from handlab.studies.table_photo import RULER_MM, table_photo
+
+    photo = table_photo(hl.load_hand("man"), view="dorsal", px_per_mm=5.0)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "hand.png"
+        Image.fromarray(photo.pixels).save(file)
+        with served("fit", str(file), size=(1280, 720)) as page:
+
+            def click(place: Any) -> None:
+                box = page.locator(".hf-stage > img").bounding_box()
+                scale = box["width"] / photo.pixels.shape[1]
+                page.mouse.click(box["x"] + scale * place[0], box["y"] + scale * place[1])
+
+            page.click(".hf-choice[data-view=dorsal]", timeout=60_000)
+            for place in photo.ruler_px:
+                click(place)
+            page.wait_for_function("document.activeElement?.dataset.mm !== undefined")
+            page.keyboard.type(f"{RULER_MM}")
+            page.keyboard.press("Enter")
+            for _ in range(CLICKED):
+                name = page.wait_for_selector(".hf-drawing circle.now", state="attached").get_attribute("data-point")
+                click(photo.marks_px[name])
+                page.wait_for_timeout(700)
+            page.wait_for_timeout(1_500)
+            page.screenshot(path=FOLDER / "own_hand.png")
 
 
 if __name__ == "__main__":

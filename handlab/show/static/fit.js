@@ -59,7 +59,7 @@ class Page {
     this.told = await this.transport.ask({ kind: "hello" });
     if (!this.told.good) { this.say(this.told); return; }
     this.go("photo");
-    this.transport.ask({ kind: "drawings" }).then(({ drawings }) => { this.told.drawings = drawings; if (!this.side.querySelector("input")) this.panel(); });
+    this.transport.ask({ kind: "drawings" }).then(({ drawings }) => { this.told.drawings = drawings; if (!this.side.querySelector("input[data-mm]")) this.panel(); }); // not while a distance is typed
     this.coin = this.told.coins[this.told.coins.indexOf("2 euro")] ?? this.told.coins[0];
     const kept = this.transport.store ? await this.transport.store.read() : null;
     if (this.told.picture) {
