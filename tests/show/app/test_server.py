@@ -194,10 +194,14 @@ def test_a_pose_and_a_clip_that_were_saved_load_again(served, join, converse, ha
             await page.until(lambda: any(note["kind"] == "file" for note in page.notes))
             return next(note for note in page.notes if note["kind"] == "file")
 
+        def clock():
+            return float(np.frombuffer(page.frames[-1], "<f4", 1, 12)[0])
+
         await page.send({"kind": "reset"})
         await page.send({"kind": "set", "contraction": {"FDP3": 0.6, "FDS3": 0.3}})
-        await page.until(lambda: np.frombuffer(page.frames[-1], "<f4", 1, 12)[0] > 0.6)  # on a busy machine the hand's clock is late
-        await asyncio.sleep(1.0)
+        await page.until(lambda: clock() < 0.3)  # the frames from before are gone
+        await page.until(lambda: clock() > 0.6)  # on a busy machine the hand's clock is late
+        await asyncio.sleep(0.5)
         kept = angles(page.frames[-1], hand)
         file, clip = await saved("pose"), await saved("clip")
         await page.send({"kind": "reset"})
