@@ -80,7 +80,7 @@ def test_every_point_goes_to_its_target_and_the_side_conditions_hold(seed):
 def test_compiled_and_readable_sums_agree():
     source, target, query = points_like_a_hand(7)
     warp = rbf.fitted(source, target)
-    np.testing.assert_allclose(warp(query), rbf.warped_numpy(warp, query), atol=1e-14)
+    np.testing.assert_allclose(warp(query), rbf.warped_numpy(warp, query), atol=1e-11)
     assert warp(query[0]).shape == (3,)
     assert warp(query.reshape(10, 300, 3)).shape == (10, 300, 3)
     assert warp(np.empty((0, 3))).shape == (0, 3)
@@ -91,7 +91,7 @@ def test_many_points_are_warped_as_few_are(count):
     source, target, _ = points_like_a_hand(5)
     query = np.random.default_rng(0).normal(size=(count, 3)) * 0.1
     warp = rbf.fitted(source, target)
-    np.testing.assert_allclose(warp(query), rbf.warped_numpy(warp, query), atol=1e-13)
+    np.testing.assert_allclose(warp(query), rbf.warped_numpy(warp, query), atol=1e-11)
 
 
 def test_the_jacobian_is_the_derivative():
@@ -146,3 +146,12 @@ def test_two_sources_at_one_place_are_named():
 def test_what_is_no_set_of_points_is_refused(source, target):
     with pytest.raises(ValueError, match="must"):
         rbf.fitted(source, target)
+
+
+def test_the_root_by_products_is_the_root():
+    from handlab.physics.rbf_kernel import _root
+
+    squares = 10.0 ** np.random.default_rng(0).uniform(-14.0, 4.0, 2000)
+    error = np.array([_root(d) for d in squares]) / np.sqrt(squares) - 1.0
+    assert np.abs(error).max() < 3e-12
+    assert np.abs(error).max() > 1e-14  # it is the short way, not the processor's root
