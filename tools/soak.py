@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,7 +21,7 @@ from handlab.simulation import skin_kernel
 from handlab.simulation.kinematics import posed_bone, relative_transforms
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.skin import binding
-from handlab.simulation.soft_frame import Frame, first_frame, frame
+from handlab.simulation.soft_frame import first_frame, frames
 from handlab.simulation.soft_skin import Network, soft_skin
 
 FPS = 60
@@ -130,14 +129,6 @@ def face_normals(points: Array, faces: Array) -> Array:
     return result
 
 
-def frames(hand: Hand, network: Network, contraction: Array) -> Iterator[Frame]:
-    """The whole hand, frame by frame."""
-    now = first_frame(hand, network)
-    for values in contraction:
-        now = frame(hand, network, now, values, 1.0 / FPS)
-        yield now
-
-
 @dataclass
 class Tally:
     """What was found: worst stretch, bone and counts of frames that broke a promise."""
@@ -169,7 +160,7 @@ def soak(hand: Hand, seconds: float, seed: int = 0, bones_every: float = BONES_E
     judge, tally = Judge(hand, network), Tally()
     low, high = np.full(len(hand.moving_names), np.inf), np.full(len(hand.moving_names), -np.inf)
     begun, every = time.perf_counter(), max(1, round(bones_every * FPS))
-    for k, now in enumerate(frames(hand, network, drive)):
+    for k, now in enumerate(frames(hand, network, first_frame(hand, network), drive, 1.0 / FPS)):
         low, high = np.minimum(low, now.y), np.maximum(high, now.y)
         points, angle = np.ascontiguousarray(now.soft.position.T), coupled(hand, now.y)
         tally.frames += 1

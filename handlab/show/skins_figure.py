@@ -23,7 +23,7 @@ from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import clips
 from handlab.simulation.play import simulate
 from handlab.simulation.skin import normals
-from handlab.simulation.soft_frame import SKINS
+from handlab.simulation.soft_anchors import SKINS
 from handlab.simulation.tendon_ridges import ridge_heights
 from handlab.studies.knuckle import worn
 

@@ -108,7 +108,8 @@ class Wardrobe:
             return
         from handlab.simulation.geometric_muscle import shape
         from handlab.simulation.kinematics import relative_transforms
-        from handlab.simulation.soft_frame import anchors, resting
+        from handlab.simulation.soft_anchors import anchors
+        from handlab.simulation.soft_frame import resting
 
         net: Any = self.network
         assert net is not None
@@ -116,7 +117,9 @@ class Wardrobe:
         lifting = self.wear == SOFT and net.muscles is not None
         shapes = shape(net.muscles, moved, self.heard(contraction)) if lifting else None
         swelling = clip.worn.swelling(frame)
-        self._soft = resting(net, points, anchors(net, moved, shapes, swelling=swelling), swelling)
+        tied = anchors(net, moved, shapes)
+        tied.swell(net, swelling)
+        self._soft = resting(net, points, tied, swelling)
         self.moving = True
 
 

@@ -1,83 +1,32 @@
-"""One frame of the whole hand: contraction -> skeleton -> muscle segments -> anchors -> skin -> normals (sections 3.1 and 4.2).
-
-Three ways to wear the skin, by name: ``"blend"`` (bones alone move it), ``"springs"`` (the network follows the bones), ``"springs and
-muscles"`` (and the surfaces of the geometric muscles below it).
-"""
+"""One frame of the whole hand: contraction -> skeleton -> muscle segments -> anchors -> skin -> normals (sections 3.1 and 4.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from math import exp
-from typing import Literal, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand
-from handlab.anatomy.terms import find
-from handlab.simulation import skin_kernel
 from handlab.simulation import soft_skin_kernel as kernel
-from handlab.simulation.clip import Clip
-from handlab.simulation.geometric_muscle import Ellipsoids, place
-from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.skeleton import contraction_of, held_coordinates, integrate, substeps_of
 from handlab.simulation.skin import blend_into
+from handlab.simulation.soft_anchors import SKINS, Anchors, Below, Skin, anchors, below
 from handlab.simulation.soft_limits import limited
 from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin, balanced, tension
 
-Skin = Literal["blend", "springs", "springs and muscles"]
-SKINS: tuple[Skin, ...] = ("blend", "springs", "springs and muscles")
+T = TypeVar("T")
 
-# A column of tissue under skin that is stretched to twice its area would have half its length, were nothing to flow sideways: assumption.
-# By area to the power of -3/4, written as roots in ``columns``.
-COLUMN, COLUMN_REACH, COLUMN_PASSES = (0.6, 1.4), 0.010, 3
-LIFT = 0.012  # m: a node follows a muscle's surface by less than this
+AT_ONCE = 8  # frames: so many the skeleton is ahead of the skin
+
 YIELDING = 10.0  # 1/s: how fast columns of tissue that bones and folds have pushed aside come back once nothing pushes: assumption
 GAIN = 0.5  # share of a lack of volume that the next frame makes good
 SWELLING = (-0.15, 0.5)  # how far columns of tissue may be pressed or stretched for the volume
-
-
-class Anchors(NamedTuple):
-    """Where the network is tied at one moment: ``centre``, ``arm`` (3, n) of the mirrored pairs; ``turn`` (4, n), how nodes are turned."""
-
-    centre: Array
-    arm: Array
-    turn: Array
-
-
-def anchors(network: Network, transforms: Array, ellipsoids: Ellipsoids | None = None, *, swelling: float = 0.0) -> Anchors:
-    """Anchors for ``transforms`` (body, 4, 4), as ``relative_transforms`` gives them.
-
-    ``ellipsoids``: muscles that lift the skin above them, of ``network.muscles``; without them bones alone count. ``swelling``: relative
-    stretch of all columns of tissue.
-    """
-    count = len(network.points)
-    quaternion = np.empty((len(transforms), 8))
-    skin_kernel.dual_quaternions(transforms, quaternion)
-    out = Anchors(np.empty((3, count)), np.empty((3, count)), np.empty((4, count)))
-    kernel.carried(quaternion, network.index, network.weight, network.centre, network.arm, out.turn, out.centre, out.arm)
-    if ellipsoids is not None:
-        ties = network.ties
-        kernel.lifted(
-            ties.node, ties.ellipsoid, ties.share, ties.local, ties.below, network.centre, out.turn, *ellipsoids, LIFT, out.centre
-        )
-    kernel.columns(
-        out.centre,
-        out.arm,
-        network.faces,
-        network.first,
-        network.second,
-        network.degree,
-        network.area,
-        network.depth,
-        swelling,
-        *COLUMN,
-        COLUMN_REACH,
-        COLUMN_PASSES,
-    )
-    return out
 
 
 def advance(network: Network, soft: SoftSkin, after: Anchors, dt: float, *, steps: int | None = None) -> tuple[Array, Array]:
@@ -136,24 +85,22 @@ def follow(
     skin: str = SKINS[2],
 ) -> SoftSkin:
     """The skin ``dt`` seconds later, when the bones have come to ``angle`` (dof,) rad and muscles have ``contraction`` (muscle,)."""
-    worn = find(skin, SKINS, kind="way to wear the skin")
-    transforms = relative_transforms(hand, angle)
-    if worn == "blend":
-        return blended(hand, network, transforms)
-    shapes = None
-    if worn == SKINS[2] and network.muscles is not None:
-        count = len(network.muscles.owner)
-        shapes = Ellipsoids(np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3)))
-        activity = np.zeros(len(hand.muscles)) if contraction is None else np.asarray(contraction, dtype=np.float64)
-        place(network.muscles, transforms, activity, shapes)
+    return pulled(hand, network, soft, below(hand, network, angle, contraction, skin=skin), dt)
+
+
+def pulled(hand: Hand, network: Network, soft: SoftSkin, under: Below, dt: float) -> SoftSkin:
+    """The skin ``dt`` seconds later, pulled along by what is ``under`` it then, whose anchors are used up."""
+    after = under.anchors
+    if after is None:
+        return blended(hand, network, under.transforms)
     swelling = soft.swelling + GAIN * (network.volume - soft.volume) / network.compliance
     swelling = min(max(swelling, SWELLING[0]), SWELLING[1])
-    after = anchors(network, transforms, shapes, swelling=swelling)
+    after.swell(network, swelling)
     # What limits moved in earlier frames, columns of tissue keep: springs that pulled back into the limits in every frame would flicker.
     after.centre[...] += soft.push
     position, velocity = advance(network, soft, after, dt)
     free = position.copy()
-    faults = limited(hand, network, position, transforms)
+    faults = limited(hand, network, position, under.transforms, under.plane)
     push = exp(-YIELDING * dt) * soft.push + (position - free)
     normal = np.empty_like(position)
     volume = kernel.volume_and_area(position, network.faces, normal)
@@ -176,7 +123,35 @@ def blended(hand: Hand, network: Network, transforms: Array) -> SoftSkin:
     blend_into(hand, transforms, points)
     position, normal = np.ascontiguousarray(points.T), np.empty((3, len(points)))
     volume = kernel.volume_and_area(position, network.faces, normal)
-    return SoftSkin(position, np.zeros_like(position), anchors(network, transforms).centre, normal, 0.0, volume, np.zeros_like(position))
+    tied = anchors(network, transforms)
+    tied.swell(network, 0.0)
+    return SoftSkin(position, np.zeros_like(position), tied.centre, normal, 0.0, volume, np.zeros_like(position))
+
+
+def ahead(work: Callable[[int], T], count: int) -> Iterator[T]:
+    """``work(0)``, ``work(1)``, ... ``count`` of them in order, done on another thread some way before they are asked for.
+
+    ``AT_ONCE`` at a time, for waking that thread takes longer than a piece of the work.
+    """
+
+    def some(first: int) -> list[T]:
+        return [work(k) for k in range(first, min(first + AT_ONCE, count))]
+
+    with ThreadPoolExecutor(1) as other:
+        coming = other.submit(some, 0)
+        for first in range(AT_ONCE, count + AT_ONCE, AT_ONCE):
+            now, coming = coming.result(), other.submit(some, first)
+            yield from now
+
+
+def skins(hand: Hand, network: Network, time: ArrayLike, angle: Array, contraction: Array, *, skin: Skin = SKINS[2]) -> Iterator[SoftSkin]:
+    """The skin of ``angle`` (T, dof) rad and ``contraction`` (T, muscle) at ``time`` (T,) s, frame by frame; in the first at rest."""
+    soft = begin(hand, network, angle[0], contraction[0], skin=skin)
+    yield soft
+    under = ahead(lambda k: below(hand, network, angle[k + 1], contraction[k + 1], skin=skin), len(angle) - 1)
+    for dt, lying in zip(np.diff(time), under, strict=True):
+        soft = pulled(hand, network, soft, lying, float(dt))
+        yield soft
 
 
 class Frame(NamedTuple):
@@ -199,23 +174,55 @@ def frame(
     hold: tuple[str, ...] = (),
 ) -> Frame:
     """The whole hand ``dt`` seconds later: skeleton, then muscles, anchors, skin, normals, as in section 3.1."""
-    values = contraction_of(hand, contraction)
-    steps = substeps_of(dt, laws)
-    y, speed = integrate(hand, before.y, before.speed, np.tile(values, (steps, 1)), dt / steps, held_coordinates(hand, hold), laws)
-    return Frame(y[-1], speed[-1], follow(hand, network, before.soft, coupled(hand, y[-1]), values, dt, skin=skin))
+    y, speed, under = _skeleton(hand, network, before.y, before.speed, contraction, dt, skin, laws, held_coordinates(hand, hold))
+    return Frame(y, speed, pulled(hand, network, before.soft, under, dt))
+
+
+def frames(
+    hand: Hand,
+    network: Network,
+    before: Frame,
+    contraction: ArrayLike,
+    dt: float,
+    *,
+    skin: str = SKINS[2],
+    laws: Laws = SOUND,
+    hold: tuple[str, ...] = (),
+) -> Iterator[Frame]:
+    """The frames of ``frame``, ``dt`` seconds apart, for contractions (T, muscle) that are known beforehand.
+
+    The skin does not act back on the bones, so the skeleton is a frame ahead of it, on another thread.
+    """
+    values, held = np.asarray(contraction, dtype=np.float64), held_coordinates(hand, hold)
+    y, speed, soft = before
+
+    def bones(k: int) -> tuple[Array, Array, Below]:
+        nonlocal y, speed
+        y, speed, under = _skeleton(hand, network, y, speed, values[k], dt, skin, laws, held)
+        return y, speed, under
+
+    for now, pace, under in ahead(bones, len(values)):
+        soft = pulled(hand, network, soft, under, dt)
+        yield Frame(now, pace, soft)
+
+
+def _skeleton(
+    hand: Hand,
+    network: Network,
+    y: Array,
+    speed: Array,
+    contraction: ArrayLike,
+    dt: float,
+    skin: str,
+    laws: Laws,
+    held: NDArray[np.bool_],
+) -> tuple[Array, Array, Below]:
+    values, steps = contraction_of(hand, contraction), substeps_of(dt, laws)
+    path, pace = integrate(hand, y, speed, np.tile(values, (steps, 1)), dt / steps, held, laws)
+    return path[-1], pace[-1], below(hand, network, coupled(hand, path[-1]), values, skin=skin)
 
 
 def first_frame(hand: Hand, network: Network, *, skin: Skin = SKINS[2]) -> Frame:
     """The relaxed hand, at rest."""
     y = mechanics(hand).relaxed
     return Frame(np.array(y), np.zeros(len(y)), begin(hand, network, coupled(hand, y), skin=skin))
-
-
-def skins(clip: Clip, network: Network, *, skin: Skin = SKINS[2]) -> Iterator[SoftSkin]:
-    """The skin in every frame of a clip, one after the other; the first at rest."""
-    hand = clip.hand
-    soft = begin(hand, network, clip.angle[0], clip.contraction[0], skin=skin)
-    yield soft
-    for k in range(1, len(clip)):
-        soft = follow(hand, network, soft, clip.angle[k], clip.contraction[k], float(clip.time[k] - clip.time[k - 1]), skin=skin)
-        yield soft

@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from handlab.anatomy.records import Array, Hand, frozen
-from handlab.simulation import skin_kernel
+from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.simulation import soft_hold_kernel as limits
-from handlab.simulation import soft_skin_kernel as kernel
 from handlab.simulation.bone_field import REACH, bone_field
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.skin import binding, blend
+from handlab.simulation.skin import blend
 from handlab.simulation.soft_skin import Network
 from handlab.simulation.soft_skin_kernel import Node
 
@@ -31,29 +30,29 @@ OWN, FAR_BONE = 0.02, 0.020  # and within this reach those of bodies that have t
 
 
 class Guard(NamedTuple):
-    """Which bones are looked up where: the middle of nodes ``corner`` (p, 3), the ``body`` (p,), the ``clearance`` (p,) m that is kept."""
+    """Which bones are looked up where: the middle of nodes ``corner`` (p, 3), the ``body`` (p,), the ``clearance`` (p,) m that is kept.
+
+    Those of body b are ``group[b]`` to ``group[b + 1]``; ``near`` (p,) is the clearance in units of the field.
+    """
 
     corner: Node
     body: Node
     clearance: Array
+    group: Index
+    near: NDArray[np.int16]
 
 
-def limited(hand: Hand, network: Network, position: Array, transforms: Array) -> int:
+def limited(hand: Hand, network: Network, position: Array, transforms: Array, plane: Array) -> int:
     """Skin out of bone, no edge too long, no triangle inverted, in place; returns how many triangles stay inverted.
 
-    Inverted means against the rotation of the skin's own blend, not of the anchors'.
+    Inverted means against ``plane`` (3, M), the rest normals as the skin's own blend carries them.
     """
-    pairs, field, bound = guard(hand), bone_field(hand), binding(hand)
-    quaternion, turn = np.empty((len(transforms), 8)), np.empty((4, position.shape[1]))
-    skin_kernel.dual_quaternions(transforms, quaternion)
-    kernel.turned(quaternion, bound.index, bound.weight, turn)
+    field = bone_field(hand)
     return limits.limited(
         position,
         transforms,
-        turn,
-        pairs.corner,
-        pairs.body,
-        pairs.clearance,
+        *guard(hand),
+        field.floor,
         field.value,
         field.start,
         field.size,
@@ -63,7 +62,7 @@ def limited(hand: Hand, network: Network, position: Array, transforms: Array) ->
         network.second,
         LONGEST * network.longest,
         network.faces,
-        network.face_normal,
+        plane,
         LEAST_SHADOW,
         PASSES,
         ROUNDS,
@@ -93,12 +92,15 @@ def guard(hand: Hand) -> Guard:
         corner.append(corners[mine])
         body.append(np.full(len(mine), b))
         clearance.append(np.minimum(CLEARANCE * near[mine], MOST_CLEARANCE))
-    pairs = Guard(*(frozen(np.concatenate(v), kind) for v, kind in ((corner, np.uint32), (body, np.uint32), (clearance, np.float64))))
-    field, least, rng = bone_field(hand), np.full(len(pairs.body), np.inf), np.random.default_rng(0)
+    pairs = (frozen(np.concatenate(corner), np.uint32), frozen(np.concatenate(body), np.uint32), frozen(np.concatenate(clearance)))
+    field, least, rng = bone_field(hand), np.full(len(pairs[1]), np.inf), np.random.default_rng(0)
     low, high = mechanics(hand).limits.T
     for k in range(POSTURES):
         angle = coupled(hand, low + rng.beta(0.5, 0.5, len(low)) * (high - low)) if k else hand.bind
         transforms = relative_transforms(hand, angle)
         position = np.ascontiguousarray(blend(hand, angle).T)
-        limits.nearest_bone(position, transforms, pairs.corner, pairs.body, *field, least)
-    return Guard(*(frozen(v[least < 0.999 * REACH], v.dtype) for v in pairs))
+        limits.nearest_bone(position, transforms, pairs[0], pairs[1], *field[1:], least)
+    kept = [frozen(v[least < 0.999 * REACH], v.dtype) for v in pairs]
+    near = np.ceil(kept[2] / limits.UNIT)
+    group = np.searchsorted(kept[1], np.arange(len(hand.body_names) + 1))
+    return Guard(kept[0], kept[1], kept[2], frozen(group, np.int64), frozen(near, np.int16))

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, frozen
 from handlab.anatomy.terms import find
-from handlab.simulation.soft_frame import SKINS, Skin, begin, follow
+from handlab.simulation.soft_anchors import SKINS, Skin
+from handlab.simulation.soft_frame import begin, skins
 from handlab.simulation.soft_skin import Network, SoftSkin, soft_skin
 from handlab.simulation.state import State
 
@@ -110,10 +111,7 @@ def worn(
     net = soft_skin(hand) if network is None else network
 
     def frames() -> Iterator[SoftSkin]:
-        soft = begin(hand, net, angle[0], contraction[0], skin=skin)
-        yield soft
-        for k in range(1, len(time)):
-            soft = follow(hand, net, soft, angle[k], contraction[k], float(time[k] - time[k - 1]), skin=skin)
+        for k, soft in enumerate(skins(hand, net, time, angle, contraction, skin=skin)):
             if progress is not None:
                 progress((k + 1) / len(time))
             yield soft

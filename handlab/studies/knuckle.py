@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.anatomy.terms import find
 from handlab.simulation.skin import blend
-from handlab.simulation.soft_frame import SKINS, begin
+from handlab.simulation.soft_anchors import SKINS
+from handlab.simulation.soft_frame import begin
 from handlab.simulation.soft_skin import Network, soft_skin
 from handlab.simulation.state import State
 from handlab.simulation.surface_graph import edges_of

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, frozen
 from handlab.physics.springs import largest_frequency, spring_tensor, stiffness_matrix
-from handlab.simulation.soft_frame import Anchors, advance, at_bind
+from handlab.simulation.soft_anchors import Anchors
+from handlab.simulation.soft_frame import advance, at_bind
 from handlab.simulation.soft_skin import Network, balanced, pair_tensor, tension
 
 FRAME = 1.0 / 60.0  # s
@@ -35,7 +36,7 @@ def anchored(network: Network) -> Anchors:
     """The anchors of the bind posture, which stand still."""
     turn = np.zeros((4, len(network.mass)))
     turn[0] = 1.0
-    return Anchors(np.ascontiguousarray(network.centre.T), np.ascontiguousarray(network.arm.T), turn)
+    return Anchors(np.ascontiguousarray(network.centre.T), np.ascontiguousarray(network.arm.T), turn, np.zeros(len(turn[0])))
 
 
 def growth(network: Network, substeps: float, *, frame: float = FRAME, steps: int = STEPS) -> float:

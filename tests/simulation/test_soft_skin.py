@@ -1,4 +1,5 @@
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,10 @@ from handlab.simulation.bone_field import bone_field
 from handlab.simulation.geometric_muscle import geometric_muscles
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.play import simulate
-from handlab.simulation.soft_frame import anchors, at_bind, begin, first_frame, follow, frame
+from handlab.simulation.skin import blend
+from handlab.simulation.soft_anchors import anchors, below
+from handlab.simulation.soft_frame import AT_ONCE, ahead, at_bind, begin, first_frame, follow, frame, frames
+from handlab.simulation.soft_look_kernel import lacking, near_bone, touched
 from handlab.simulation.soft_skin import PAIR_REST, soft_skin
 from handlab.simulation.surface_graph import edges_of
 
@@ -170,35 +174,91 @@ def test_a_node_in_bone_is_pushed_out_to_its_clearance(hand):
     node = int(np.linalg.norm(hand.skin.points - bone.points.mean(axis=0), axis=1).argmin())
     position[:, node] = 0.7 * bone.points[5] + 0.3 * bone.points.mean(axis=0)
     mine = (pairs.corner == node).all(axis=1) & (pairs.body == b)
-    only = soft_limits.Guard(*(v[mine] for v in pairs))
+    only = [v[mine] for v in pairs[:3]]
+    look, last = np.arange(mine.sum(), dtype=np.uint32), np.zeros(position.shape[1], np.int64)
     for _ in range(3):
-        soft_hold_kernel.out_of_bone(
-            position, relative_transforms(hand, hand.bind), *only, *field, np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64)
-        )
+        soft_hold_kernel.out_of_bone(position, relative_transforms(hand, hand.bind), *only, *field[1:], look, len(look), last, 7)
+    assert last[node] == 7 and (last > 0).sum() == 1
     corners = np.ascontiguousarray(bone.points[bone.faces])
     point = np.ascontiguousarray(position[:, node][None])
     assert winding(point, corners)[0] < 0.5
-    assert only.clearance[0] - 0.0004 < closest(point, corners)[0][0] < only.clearance[0] + 0.001
+    assert only[2][0] - 0.0004 < closest(point, corners)[0][0] < only[2][0] + 0.001
+
+
+def test_the_first_look_misses_nothing_that_lacks(hand, network, rng):
+    """Against the field and the shadows of all pairs and triangles, looked up one by one in numpy."""
+    from scipy.ndimage import map_coordinates
+
+    pairs, field, angle = soft_limits.guard(hand), bone_field(hand), hl.simulate(hand, "fist", seconds=0.6).angle[-1]
+    under = below(hand, network, angle, None)
+    position = np.ascontiguousarray((blend(hand, angle) + rng.normal(0, 8e-4, network.points.shape)).T)
+    look = np.empty(max(len(pairs.body), len(network.faces)) + 1, np.uint32)
+    found = look[: near_bone(position, under.transforms, pairs.corner, *pairs[3:], field.floor, *field[2:], look)].astype(int)
+    middle, lack = position[:, pairs.corner.astype(int)].mean(axis=2).T, np.full(len(pairs.body), -np.inf)
+    for b in range(len(hand.body_names)):
+        mine = np.flatnonzero(pairs.body == b)
+        turn = under.transforms[b]
+        cell = ((middle[mine] - turn[:3, 3]) @ turn[:3, :3] - field.origin[b]) / field.spacing
+        grid = field.value[field.start[b] :][: field.size[b].prod()].reshape(field.size[b]).astype(float)
+        lack[mine] = pairs.clearance[mine] - soft_hold_kernel.UNIT * map_coordinates(grid, cell.T, order=1, mode="nearest")
+    assert set(np.flatnonzero(lack > 0.0)) <= set(found)
+    assert 10 < (lack > 0.0).sum() < len(found) < len(pairs.body) / 2
+    corner = position[:, network.faces.astype(int)]
+    normal = np.cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0], axis=0)
+    shadow = (normal * under.plane).sum(axis=0) / (under.plane**2).sum(axis=0)
+    few = look[: lacking(position, network.faces, under.plane, 0.1, look)]
+    np.testing.assert_array_equal(few, np.flatnonzero(shadow < 0.1))
+    assert 2 < len(few) < 300
+    last = np.zeros(len(network.points), np.int64)
+    last[[4, 70]] = 3, 2
+    found = look[: touched(network.faces, last, 3, look)]
+    np.testing.assert_array_equal(found, np.flatnonzero((network.faces == 4).any(axis=1)))
+
+
+def test_frames_known_beforehand_are_those_made_one_by_one(hand, network):
+    drive = hl.keyframes("fist").for_hand(hand).at(FRAME * np.arange(40))
+    start = first_frame(hand, network)
+    now = start
+    for values, other in zip(drive, frames(hand, network, start, drive, FRAME), strict=True):
+        now = frame(hand, network, now, values, FRAME)
+        assert np.array_equal(now.soft.position, other.soft.position)
+        assert np.array_equal(now.y, other.y) and np.array_equal(now.speed, other.speed)
+
+
+def test_work_ahead_comes_in_order_on_another_thread_and_fails_only_where_it_must():
+    where = set()
+
+    def work(k):
+        where.add(threading.get_ident())
+        if k == AT_ONCE + 3:
+            raise ValueError("too far")
+        return k * k
+
+    coming = ahead(work, 5 * AT_ONCE)
+    assert [next(coming) for _ in range(AT_ONCE)] == [k * k for k in range(AT_ONCE)]
+    with pytest.raises(ValueError, match="too far"):
+        next(coming)
+    assert len(where) == 1 and threading.get_ident() not in where
+    assert list(ahead(work, AT_ONCE + 1)) == [k * k for k in range(AT_ONCE + 1)]
+    assert list(ahead(work, 0)) == []
 
 
 def test_a_triangle_that_was_turned_over_is_turned_back(network):
     position = np.ascontiguousarray(network.points.T)
     face = network.faces[1000].astype(int)
     position[:, face[0]] += 2.0 * (position[:, face[1:]].mean(axis=1) - position[:, face[0]])
-    turn = np.zeros_like(np.vstack([position, position[:1]]))
-    turn[0] = 1.0
-    last = 1
-    for _ in range(20):
-        stamps, clock = np.zeros(position.shape[1], np.int64), np.zeros(3, np.int64)
-        last = soft_hold_kernel.unfold(position, turn, network.faces, network.face_normal, 0.1, 8, stamps, clock)
-        if not last:
+    plane, look = np.ascontiguousarray(network.face_normal.T), np.empty(len(network.faces) + 1, np.uint32)
+    left = []
+    for _ in range(160):
+        many = lacking(position, network.faces, plane, 0.1, look)
+        left.append(many)
+        soft_hold_kernel.unfold(position, network.faces, plane, 0.1, look, many, np.zeros(position.shape[1], np.int64), 1)
+        if not many:
             break
-    assert last == 0
+    assert left[0] >= 1 and left[-1] == 0
 
 
 def test_a_shadow_that_lacks_little_is_mended_by_a_little_and_its_middle_stays(network):
-    turn = np.zeros((4, len(network.points)))
-    turn[0] = 1.0
     face = network.faces[1000].astype(int)
     normal = network.face_normal[1000]
     height = {}
@@ -210,13 +270,13 @@ def test_a_shadow_that_lacks_little_is_mended_by_a_little_and_its_middle_stays(n
         before = position.copy()
         found = soft_hold_kernel.unfold(
             position,
-            turn,
-            network.faces[1000:1001],
-            network.face_normal[1000:1001],
+            network.faces,
+            np.ascontiguousarray(network.face_normal.T),
             0.1,
+            np.array([1000], np.uint32),
             1,
             np.zeros(position.shape[1], np.int64),
-            np.zeros(3, np.int64),
+            1,
         )
         assert found == 1
         moved = (position - before)[:, face]
@@ -300,13 +360,14 @@ def test_in_key_pinch_the_first_dorsal_interosseus_lifts_the_skin_two_millimetre
     over = np.unique(network.ties.node[np.isin(muscles.owner[network.ties.ellipsoid.astype(int)], own)])
     assert 0.002 < rise[over].max() < 0.004
     assert np.abs(np.delete(rise, over)).max() < 0.0005
-    for _ in range(180):  # what bones had pushed aside comes back in a third of a second
-        swollen = follow(hand, network, swollen, clip.angle[-1], off, FRAME)
+    for _ in range(180):  # what bones had pushed aside comes back in a third of a second, and ``begin`` leaves a little of it
+        swollen, flat = (follow(hand, network, soft, clip.angle[-1], off, FRAME) for soft in (swollen, flat))
     assert np.abs(swollen.position - flat.position).max() < 1e-5
 
 
 def test_centres_come_back_where_they_were_when_nothing_has_moved(hand, network):
     rest = anchors(network, relative_transforms(hand, hand.bind))
+    rest.swell(network, 0.0)
     assert np.abs(rest.centre.T - network.centre).max() < 1e-4
 
 
