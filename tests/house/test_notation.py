@@ -10,7 +10,7 @@ import pytest
 import handlab as hl
 
 PAGE = Path(__file__).parents[2] / "NOTATION.md"
-UNITS = {"1", "m", "mm", "s", "N", "N/%", "%", "rad", "rad/s", "N m", "N m/rad", "N m s/rad", "kg", "kg m²", "m³"}
+UNITS = {"1", "m", "mm", "s", "N", "N/%", "%", "rad", "rad/s", "N m", "N m/rad", "N m s/rad", "kg", "kg m²", "m³", "Pa", "1/s"}
 
 
 def rows():
