@@ -131,16 +131,18 @@ def blended(hand: Hand, network: Network, transforms: Array) -> SoftSkin:
 def ahead(work: Callable[[int], T], count: int) -> Iterator[T]:
     """``work(0)``, ``work(1)``, ... ``count`` of them in order, done on another thread some way before they are asked for.
 
-    ``AT_ONCE`` at a time, for waking that thread takes longer than a piece of the work.
+    Several at once, for waking that thread takes longer than a piece of the work: one, then two, then four, then ``AT_ONCE`` at a time.
     """
 
-    def some(first: int) -> list[T]:
-        return [work(k) for k in range(first, min(first + AT_ONCE, count))]
+    def some(begin: int, end: int) -> list[T]:
+        return [work(k) for k in range(begin, end)]
 
+    begin, end = 0, min(1, count)
     with ThreadPoolExecutor(1) as other:
-        coming = other.submit(some, 0)
-        for first in range(AT_ONCE, count + AT_ONCE, AT_ONCE):
-            now, coming = coming.result(), other.submit(some, first)
+        coming = other.submit(some, begin, end)
+        while begin < count:
+            now, begin, end = coming.result(), end, min(count, 2 * end + 1, end + AT_ONCE)
+            coming = other.submit(some, begin, end)
             yield from now
 
 
