@@ -62,17 +62,18 @@ def unfold(position: Array, faces: Node, plane: Array, least: float, look: Node,
 
 
 @compiled
-def shorten(position: Array, first: Node, second: Node, longest: Array, last: Index, now: int) -> int:
-    """Pull the ends of edges together that are longer than ``longest`` (e,), in place, one after the other; returns how many were found."""
+def shorten(position: Array, first: Node, second: Node, rest: Array, most: float, last: Index, now: int) -> int:
+    """Pull the ends of edges together that are longer than ``most`` times ``rest`` (e,), in place, one after the other; returns how many."""
     bad = 0
     for e in range(first.shape[0]):
         i, j = first[e], second[e]
         x, y, z = position[0, j] - position[0, i], position[1, j] - position[1, i], position[2, j] - position[2, i]
         square = x * x + y * y + z * z
-        if square > longest[e] * longest[e]:
+        longest = most * rest[e]
+        if square > longest * longest:
             bad += 1
             last[i] = last[j] = now
-            g = 0.5 * (1.0 - A_LITTLE * longest[e] / math.sqrt(square))
+            g = 0.5 * (1.0 - A_LITTLE * longest / math.sqrt(square))
             position[0, i] += g * x
             position[1, i] += g * y
             position[2, i] += g * z
@@ -179,7 +180,8 @@ def limited(
     spacing: float,
     first: Node,
     second: Node,
-    longest: Array,
+    rest: Array,
+    most: float,
     faces: Node,
     plane: Array,
     least: float,
@@ -205,7 +207,7 @@ def limited(
         long, faults = 0, 0
         for _ in range(passes):
             now += 1
-            bad = shorten(position, first, second, longest, last, now)
+            bad = shorten(position, first, second, rest, most, last, now)
             long += bad
             if bad == 0:
                 break
