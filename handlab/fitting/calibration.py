@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -25,18 +25,28 @@ COINS: Mapping[str, float] = MappingProxyType(
         "100 yen": 22.6, "500 yen": 26.5,
     }
 )  # fmt: skip
-# A coin's rounded rim is dark on a dark ground: it looks smaller by about so much (two euro coins on a flatbed: 0.2 and 0.4 mm).
-RIM_MM = 0.2
+# The edge of a coin is rounded with about this radius (an assumption; worn and new coins may differ by half of it). Metal mirrors: where
+# the rounding is steeper than 45 degrees it shows the table and is as dark as that, so that a ring of 0.09 mm is not seen.
+ROUNDING_MM, ROUNDING_MAY_DIFFER = 0.3, 0.5
+UNSEEN_MM = ROUNDING_MM * (1.0 - math.sqrt(0.5))
+SIDEWAYS = 0.003  # what the side of a coin adds that is not right below the camera (2 mm thick, some 5 cm beside, 60 cm away)
+PLACED_PX = 0.25  # how well a blurred edge is placed
+DOUBTFUL = 0.03  # a coin that may be its own shadow: as wide as shadows of coins were found to be
+# So far the widest part of a coin lies above the table: euro coins are 1.67 to 2.38 mm thick, less the rounding (an assumption for others).
+COIN_ABOVE_MM = 1.8
+CARD_ABOVE_MM = 0.76  # ISO/IEC 7810
 CARD_MM = (85.60, 53.98)  # ISO/IEC 7810, format ID-1: bank and identity cards
 
 
 @dataclass(frozen=True)
 class Scale:
-    """``mm_per_px`` in the plane of the ruler or coin, ``how`` it was found, ``uncertainty`` (relative) of finding it."""
+    """``mm_per_px`` of what was measured, ``how`` it was found, ``uncertainty`` (relative) of finding it; ``above_mm`` so far above the
+    table, towards the camera, it was found (see ``confirmed``)."""
 
     mm_per_px: float
     how: str
     uncertainty: float = 0.0
+    above_mm: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what is no scale."""
@@ -63,15 +73,31 @@ def ruler(first: Sequence[float], second: Sequence[float], millimetres: float) -
 def coin(picture: NDArray[Any], click: Sequence[float], size: float | str) -> Scale:
     """The scale from one click on a coin: ``picture`` (rows, columns[, 3]), ``size`` its diameter in mm or its name ("2 euro").
 
-    The rim is found as the circle along which the picture changes most (see ``coins.find_circle``).
+    See ``rim`` for how the outline is found. Where it is seen by its light, the diameter half way between mean and longest counts (missing
+    light and a tilt shorten the others; the side of a coin beside the camera lengthens one), with the ring that is too dark to be seen.
+    Seen by its colour, the mean diameter counts.
     Raises ``ValueError`` where no circle is found; then click two points of a ruler instead.
     """
     from handlab.fitting.coins import find_circle
+    from handlab.fitting.rim import outline
 
     millimetres = COINS[find(size, COINS, kind="coin")] if isinstance(size, str) else _length(size, "the diameter of the coin")
-    found = find_circle(np.asarray(picture), _place(click, "the click on the coin"))
-    uncertainty = math.hypot(found.uncertainty, RIM_MM / millimetres)
-    return Scale(millimetres / (2.0 * found.radius), f"coin, {millimetres:g} mm on {2 * found.radius:.1f} px", uncertainty)
+    pixels = np.asarray(picture)
+    found = outline(pixels, *find_circle(pixels, _place(click, "the click on the coin")))
+    bright = found.seen == "by light"
+    across = 2.0 * found.radius * (1.0 + 0.5 * found.oval if bright else 1.0)
+    unseen = 2.0 * UNSEEN_MM if bright else 0.0
+    uncertainty = math.hypot(
+        found.scatter / 2.0, PLACED_PX / found.radius, SIDEWAYS, found.oval / 2.0, ROUNDING_MAY_DIFFER * unseen / millimetres
+    )
+    if found.seen == "doubtful":
+        uncertainty = math.hypot(uncertainty, DOUBTFUL)
+    how = (
+        f"coin, {millimetres:g} mm on {across:.1f} px, seen {found.seen}"
+        if found.seen != "doubtful"
+        else f"coin, {millimetres:g} mm, {found.seen}"
+    )
+    return Scale((millimetres - unseen) / across, how, uncertainty, COIN_ABOVE_MM)
 
 
 def card(picture: NDArray[Any], click: Sequence[float], size: tuple[float, float] = CARD_MM) -> Scale:
@@ -86,20 +112,26 @@ def card(picture: NDArray[Any], click: Sequence[float], size: tuple[float, float
             f"what was clicked is {found.long:.0f} x {found.short:.0f} pixels, not a card of {long:g} x {short:g} mm seen from above; "
             "photograph it flat and whole, or use a ruler"
         )
-    return Scale(math.sqrt(per_long * per_short), f"card, {long:g} x {short:g} mm", found.uncertainty)
+    return Scale(math.sqrt(per_long * per_short), f"card, {long:g} x {short:g} mm", found.uncertainty, CARD_ABOVE_MM)
 
 
-def confirmed(scale: Scale, picture: Any) -> Scale:
-    """The resolution of a scanner, where the file of ``picture`` tells one and a coin or card says nearly the same; else ``scale``.
+def confirmed(scale: Scale, picture: Any, camera_mm: float | str | None = "auto") -> Scale:
+    """``scale`` on the table: of a scanner by its resolution, of a camera a little more than on the coin or card, which lies nearer.
 
-    The rounded rim of a coin is dark in a scanner: the coin looks smaller by 0.2 to 0.4 mm, which is 1 to 2 %.
+    A scanner's file tells its resolution, which is better than a coin that says nearly the same. A camera at the distance d shows what
+    lies h above the table d / (d - h) times as large. ``camera_mm`` as for ``fit_photo``; None: a scanner.
     """
-    from handlab.fitting.lens import camera_distance_mm, scan_mm_per_px
+    from handlab.fitting.lens import ASSUMED_MM, camera_distance_mm, scan_mm_per_px
 
-    scan = scan_mm_per_px(picture, scale.mm_per_px) if scale.how.startswith(("coin", "card")) else None
-    if scan is None or camera_distance_mm(picture, scale.mm_per_px) is not None:
+    if not scale.how.startswith(("coin", "card")):
         return scale
-    return Scale(scan, f"scanner, {25.4 / scan:g} dots per inch; {scale.how}")
+    told = camera_distance_mm(picture, scale.mm_per_px) if camera_mm == "auto" else camera_mm
+    scan = scan_mm_per_px(picture, scale.mm_per_px)
+    if told is None and scan is not None:
+        return Scale(scan, f"scanner, {25.4 / scan:g} dots per inch; {scale.how}")
+    if camera_mm is None:
+        return scale
+    return replace(scale, mm_per_px=scale.mm_per_px * (1.0 + scale.above_mm / float(told or ASSUMED_MM)), above_mm=0.0)
 
 
 def as_scale(scale: Any, picture: NDArray[Any] | None = None) -> Scale:

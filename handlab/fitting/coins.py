@@ -19,16 +19,16 @@ SMALLEST_PX = 8.0
 AGREE = 0.55  # of the rays must meet the outline
 AS_GOOD = 0.80  # of the best circle's agreement: then the larger circle is the rim, the smaller a pattern inside
 TRIALS = 3000
-PEAKS = 4  # candidates for each side of a card
+PEAKS = 5  # candidates for each side of a card
+EVERY_SIDE = 0.3  # of the rays to each side of a card must meet it
 ASPECT = 0.03  # how far (log) the sides of a card may be from their ratio before they are refined
 
 
 class Circle(NamedTuple):
-    """``centre`` (2,) px, ``radius`` px, ``uncertainty`` of the radius (relative)."""
+    """``centre`` (2,) px, ``radius`` px."""
 
     centre: Array
     radius: float
-    uncertainty: float
 
 
 class Rectangle(NamedTuple):
@@ -40,7 +40,10 @@ class Rectangle(NamedTuple):
 
 
 def find_circle(picture: NDArray[np.uint8], click: Array) -> Circle:
-    """The rim of a coin around ``click`` (x, y) px. Raises ``ValueError`` where no circle stands out."""
+    """A circle near the rim of a coin (its shadow, a ring inside) around ``click`` (x, y) px; ``rim.outline`` finds the rim itself.
+
+    Raises ``ValueError`` where no circle stands out.
+    """
     points, ray, step = edges(picture, click)
     rng = np.random.default_rng(0)
     found: list[tuple[int, float, Array]] = []
@@ -59,32 +62,26 @@ def find_circle(picture: NDArray[np.uint8], click: Array) -> Circle:
             "(or click two points of a ruler instead)"
         )
     _, _, circle = max((row for row in found if row[0] >= max(AS_GOOD * best, AGREE * RAYS)), key=lambda row: row[1])
-    for outward in (4.0, 3.0, 2.0, 1.5, 1.5, 1.5):
-        off = np.hypot(*(points - circle[:2]).T) - circle[2]
-        near = (off > -1.5 * step) & (off < outward * step)
-        # a milled rim has several edges; the coin ends at the last of each ray
-        last = np.full(RAYS, -np.inf)
-        np.maximum.at(last, ray[near], off[near])
-        near &= off == last[ray]
-        circle = _best_circle(points[near])
-    rest = np.hypot(*(points[near] - circle[:2]).T) - circle[2]
-    return Circle(circle[:2], float(circle[2]), float(rest.std() / np.sqrt(max(len(rest) / 4, 1)) / circle[2]))
+    return Circle(circle[:2], float(circle[2]))
 
 
 def find_rectangle(picture: NDArray[np.uint8], click: Array, ratio: float) -> Rectangle:
     """The edges of a card with sides of this ``ratio`` (long over short) around ``click`` (x, y) px, at any angle.
 
     Raises ``ValueError`` where no rectangle stands out."""
-    points, _, step = edges(picture, click)
+    points, ray, step = edges(picture, click)
     here = points - click
-    best: tuple[float, float, list[float]] = (0.0, 0.0, [])
-    for angle in np.deg2rad(np.arange(0.0, 90.0)):
-        votes, sides = _four_sides(here, float(angle), ratio, 3.0 * step)
-        if votes > best[0]:
-            best = votes, angle, sides
-    if best[0] < AGREE * RAYS:
+    found = [
+        (*row, float(angle))
+        for angle in np.deg2rad(np.arange(0.0, 90.0))
+        for row in _four_sides(here, ray, float(angle), ratio, 3.0 * step)
+    ]
+    most = max((votes for votes, *_ in found), default=0)
+    if most < AGREE * RAYS:
         raise ValueError("no card was found around the click: click near its middle; it must lie flat, whole and apart from other things")
-    angle, sides = best[1], best[2]
+    # a stripe, a chip and two edges may form a smaller rectangle; a shadow a slightly larger one
+    largest = max(size for votes, size, *_ in found if votes >= AS_GOOD * most)
+    _, _, sides, angle = max((row for row in found if row[1] > 0.93 * largest), key=lambda row: row[0])
     for width in (3.0, 2.0, 1.5, 1.0):
         angle, sides = _refined(here, angle, sides, width * step)
     widths = sorted((sides[0] - sides[1], sides[2] - sides[3]), reverse=True)
@@ -143,36 +140,38 @@ def _through(points: Array) -> Array | None:
     return np.array([*centre, np.hypot(*(points[0] - centre))])
 
 
-def _best_circle(points: Array) -> Array:
-    """Least-squares circle (Kasa 1976)."""
-    middle = points.mean(axis=0)
-    p = points - middle
-    rows = np.column_stack([2.0 * p, np.ones(len(p))])
-    u, v, w = np.linalg.lstsq(rows, np.sum(p**2, axis=1), rcond=None)[0]
-    return np.array([u + middle[0], v + middle[1], np.sqrt(w + u * u + v * v)])
-
-
-def _four_sides(here: Array, angle: float, ratio: float, bin_px: float) -> tuple[float, list[float]]:
-    """Rays that end on the best rectangle of this ``ratio`` at ``angle``, and its sides: right, left, top, bottom of the click."""
+def _four_sides(here: Array, ray: NDArray[np.int64], angle: float, ratio: float, bin_px: float) -> list[tuple[int, float, list[float]]]:
+    """Rectangles of this ``ratio`` at ``angle``: rays that end on it, its longer side, its sides right, left, top, bottom of the click."""
     turned = _turned(here, angle)
-    peaks: list[list[tuple[float, float]]] = []
+    peaks: list[list[float]] = []
     for axis in (0, 1):
         for sign in (1.0, -1.0):
             value = sign * turned[:, axis]
             value = value[value > 2.0]
             if len(value) == 0:
-                return 0.0, []
+                return []
             count, border = np.histogram(value, bins=np.arange(0.0, value.max() + 2 * bin_px, bin_px))
             count = count + np.append(count[1:], 0)
-            top = np.argsort(-count)[:PEAKS]
-            peaks.append([(float(count[k]), sign * float(border[k] + bin_px)) for k in top])
-    best: tuple[float, list[float]] = (0.0, [])
+            peaks.append([sign * float(border[k] + bin_px) for k in np.argsort(-count)[:PEAKS]])
+    found = []
     for sides in product(*peaks):
-        wide, high = sides[0][1] - sides[1][1], sides[2][1] - sides[3][1]
-        votes = sum(count for count, _ in sides)
-        if votes > best[0] and abs(np.log(max(wide, high) / min(wide, high) / ratio)) < ASPECT:
-            best = votes, [place for _, place in sides]
-    return best
+        wide, high = sides[0] - sides[1], sides[2] - sides[3]
+        if abs(np.log(max(wide, high) / min(wide, high) / ratio)) < ASPECT:
+            # on the rectangle itself: a stripe or a chip lies on lines of it, but only for a part of a side
+            off = np.array([turned[:, 0] - sides[0], sides[1] - turned[:, 0], turned[:, 1] - sides[2], sides[3] - turned[:, 1]])
+            on = np.abs(off.max(axis=0)) < bin_px
+            seen = [len(np.unique(ray[on & (off.argmax(axis=0) == side)])) for side in range(4)]
+            if min(np.array(seen) / _looking_at(sides)) > EVERY_SIDE:
+                found.append((sum(seen), max(wide, high), list(sides)))
+    return found
+
+
+def _looking_at(sides: tuple[float, ...]) -> Array:
+    """How many rays go to every side (4,)."""
+    right, left, top, bottom = sides
+    corner = np.arctan2([bottom, top, top, bottom], [right, right, left, left])  # the way round
+    right_top_left_bottom = np.diff(np.append(corner, corner[0])) % (2.0 * np.pi) * RAYS / (2.0 * np.pi)
+    return np.asarray(np.maximum(right_top_left_bottom[[0, 2, 1, 3]], 1.0))
 
 
 def _turned(here: Array, angle: float) -> Array:

@@ -68,6 +68,7 @@ def fit_points(
     try:
         picture = picture_mm(px, scale.mm_per_px)
         if not sure:
+            plausible.require_scale(scale)
             plausible.require_size(hand, names, picture)
             plausible.require_labels(hand, names, picture)
         own, concluded = conclude(hand, names, picture, view=view, side=side, mirror=mirror)
@@ -152,7 +153,7 @@ def fit_photo(
         height, width = pixels.shape[:2]
     clicks = checked(landmarks)
     try:
-        found_scale = confirmed(as_scale(scale, pixels), picture)
+        found_scale = confirmed(as_scale(scale, pixels), picture, camera_mm)
     except ValueError as error:
         raise FitError(str(error), clicks) from error
     if not sure:

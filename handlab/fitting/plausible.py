@@ -11,6 +11,7 @@ import numpy as np
 from handlab.anatomy.records import Array, Hand
 from handlab.anatomy.terms import FINGERS
 from handlab.fitting.alignment import Aligned, fitting_plane, similarity
+from handlab.fitting.calibration import Scale
 from handlab.fitting.landmarks import NAMES, digit_of, source_points
 from handlab.fitting.mistakes import FitError, FitQuestion
 from handlab.physics import rbf
@@ -24,6 +25,7 @@ SHORTEST_MM, LONGEST_MM = 80.0, 250.0
 BETTER, WORSE_THAN = 1.35, 0.045
 # A point is doubted so far (over the hand's length) from where the others say it should be (an assumption).
 FAR_OFF = 0.30
+UNCLEAR = 0.01  # a coin or card is questioned where its size is less certain (relative)
 
 FLAT = "perspective not taken out: right for a scanner; for a camera give its distance, camera_mm=600, or the hand comes out too large"
 
@@ -49,6 +51,16 @@ def require_size(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
         raise FitQuestion(
             f"this hand would be {length:.0f} mm long from wrist to finger tip (adults: 150 to 220 mm); check the scale: the "
             "clicks on the ruler and the distance between them, centimetres or inches, or the coin; or say sure=True if it is right",
+            choices=({"sure": True},),
+        )
+
+
+def require_scale(scale: Scale) -> None:
+    """Ask about a coin or card whose outline is not clear enough."""
+    if scale.how.startswith(("coin", "card")) and scale.uncertainty > UNCLEAR:
+        raise FitQuestion(
+            f"the outline of the {scale.how[:4]} is not clear: lengths may be {100 * scale.uncertainty:.1f} % off; click two marks of a "
+            "ruler instead, or lay it on a plain ground of another colour, near the hand; or say sure=True if it is good enough",
             choices=({"sure": True},),
         )
 

@@ -77,9 +77,9 @@ def membrane_stiffness(young: float, thickness: float, area: ArrayLike, length: 
     return result
 
 
-def column_stiffness(young: float, area: ArrayLike, depth: ArrayLike) -> Array:
+def column_stiffness(young: ArrayLike, area: ArrayLike, depth: ArrayLike) -> Array:
     """Stiffness E A / d of columns of tissue with cross-section ``area`` and ``depth``."""
-    result: Array = young * np.asarray(area, dtype=np.float64) / np.asarray(depth, dtype=np.float64)
+    result: Array = np.asarray(young, dtype=np.float64) * np.asarray(area, dtype=np.float64) / np.asarray(depth, dtype=np.float64)
     return result
 
 

@@ -20,6 +20,7 @@ class FigurePanel(ABC):
     """
 
     hint = ""
+    set: Any
     _following = False  # sliders are being moved along; they must not compute everything again
 
     @abstractmethod
@@ -46,6 +47,15 @@ class FigurePanel(ABC):
         """Let a control act when a person moves it; returns it."""
         control.observe(lambda change: None if self._following else move(change["new"]), "value")
         return control
+
+    def slider_of(self, name: str, value: float, span: tuple[float, float], step: float, text: str) -> Any:
+        """A slider from ``span[0]`` to ``span[1]`` that calls ``set(name=...)`` when a person lets it go."""
+        import ipywidgets
+
+        slider = ipywidgets.FloatSlider(value=value, min=span[0], max=span[1], step=step, description=text, readout_format=".0f")
+        slider.continuous_update, slider.style.description_width, slider.layout.width = False, "initial", "45%"
+        change: OnMain[float] = OnMain(lambda moved: self.set(**{name: moved}))
+        return self.observe(slider, change)
 
     @cached_property
     def widget(self) -> Any:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import threading
 from collections.abc import Mapping
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,50 +17,10 @@ from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks, read
 from handlab.show.fit_keepsakes import keepsake
 from handlab.show.fit_room import FitRoom
-from handlab.show.main_thread import OnMain
-from handlab.show.module import STATIC
+from handlab.show.module import joined
+from handlab.show.room_widget import RoomPage
 
-GLUE = """
-export default {
-  render({ model, el }) {
-    const box = document.createElement("div"), asked = new Map();
-    box.style.cssText = `height:${model.get("height")}px;border:1px solid #d5dbe1;border-radius:8px;overflow:hidden`;
-    el.append(box);
-    const page = Math.random().toString(36).slice(2), PART = 4e6; // a notebook's socket takes messages of 10 MB at most
-    let count = 0, shown = null;
-    const hear = (told) => {
-      if (told.page === page) { asked.get(told.id)?.(told.reply); asked.delete(told.id); }
-      else if (told.kind === "changed" && shown) shown.then((one) => one.retell(told.clicks, told.picture));
-    };
-    const ask = (message, bytes) => new Promise((done) => {
-      const id = ++count, of = Math.max(1, Math.ceil((bytes?.byteLength ?? 0) / PART));
-      asked.set(id, done);
-      for (let k = 0; k < of; k++) {
-        const part = bytes ? [bytes.slice(k * PART, (k + 1) * PART)] : [];
-        model.send({ page, id, message, part: k, of, data: !!bytes }, undefined, part);
-      }
-    });
-    model.on("msg:custom", hear);
-    shown = fit(box, { ask });
-    return async () => { model.off("msg:custom", hear); (await shown).dispose(); };
-  },
-};
-"""
-
-
-@cache
-def widget_class() -> Any:
-    """The anywidget class. Raises ``ImportError`` where anywidget is missing."""
-    import anywidget
-    import traitlets
-
-    class FitWidget(anywidget.AnyWidget):  # type: ignore[misc, unused-ignore]
-        """What the notebook shows."""
-
-        _esm = (STATIC / "fit.js").read_text(encoding="utf-8").replace("export async function fit", "async function fit") + GLUE
-        height = traitlets.Int(640).tag(sync=True)
-
-    return FitWidget
+MODULE = ("fit.js",)
 
 
 class FitPanel:
@@ -86,9 +45,6 @@ class FitPanel:
         self.file: Path | None = None
         self._keep = keep
         self._mark = ""
-        self._waiting: list[tuple[dict[str, Any], bytes]] = []
-        self._parts: dict[tuple[str, int], list[bytes]] = {}
-        self._lock = threading.Lock()
         if picture is not None:
             self._open(picture)
 
@@ -191,61 +147,38 @@ class FitPanel:
             about = {"name": photo.name, "width": photo.size[0], "height": photo.size[1], "mark": self._mark}
             _written(self.file, (json.dumps({**clicks.to_json(), "picture": about}, indent=1) + "\n").encode())
 
-    # What the page sends, on whatever thread; it is heeded in order on the thread that made the panel.
+    # What the page asks, and what it is told.
 
-    def _hear(self, _widget: Any, told: Any, buffers: Any) -> None:
-        if not isinstance(told, Mapping) or not isinstance(told.get("message"), Mapping):
-            return
-        key = str(told.get("page")), int(told.get("id", 0))
-        with self._lock:
-            parts = self._parts.setdefault(key, [])
-            parts.append(b"".join(bytes(one) for one in buffers or []))
-            if len(parts) < int(told.get("of", 1)):
-                return
-            self._waiting.append((dict(told), b"".join(self._parts.pop(key))))
-        self._work(None)
-
-    @cached_property
-    def _work(self) -> OnMain[None]:
-        return OnMain(lambda _: self._heed())
-
-    def _heed(self) -> None:
-        with self._lock:
-            waiting, self._waiting = self._waiting, []
-        for told, data in waiting:
-            message = told["message"]
-            reply = self.room.ask(message, data if told.get("data") else None)
-            if message.get("kind") == "picture" and reply["good"]:
-                self._find_clicks()
-                reply["clicks"] = self.room.clicks.to_json()
-            self.front.send({"page": told.get("page"), "id": told.get("id"), "reply": reply})
+    def _asked(self, message: Mapping[str, Any], data: bytes | None) -> dict[str, Any]:
+        reply = self.room.ask(message, data)
+        if message.get("kind") == "picture" and reply["good"]:
+            self._find_clicks()
+            reply["clicks"] = self.room.clicks.to_json()
+        return reply
 
     def _tell(self) -> None:
         """A change made by code shows in the page."""
-        if "front" in self.__dict__:
-            self.front.send({"kind": "changed", "clicks": self.room.clicks.to_json()})
+        if "page" in self.__dict__:
+            self.page.tell(self.room.clicks.to_json())
 
     def _moved(self, fit: Fit) -> str:
         from handlab.show.widget import HandView
 
         self.view = HandView(fit.hand)
-        self.widget.children = [self.front, self.view.widget]
+        self.widget.children = [self.page.widget, self.view.widget]
         return "The hand is live below; in code it is panel.hand."
 
     @cached_property
-    def front(self) -> Any:
-        """The page to click on (anywidget)."""
-        made = widget_class()(height=self.height)
-        _ = self._work  # remembers this thread
-        made.on_msg(self._hear)
-        return made
+    def page(self) -> RoomPage:
+        """The page to click on."""
+        return RoomPage(joined(MODULE), "fit", self._asked, height=self.height)
 
     @cached_property
     def widget(self) -> Any:
         """The page, and below it the live hand once it moves."""
         import ipywidgets
 
-        return ipywidgets.VBox([self.front])
+        return ipywidgets.VBox([self.page.widget])
 
     def _repr_mimebundle_(self, **how: Any) -> Any:
         try:

@@ -13,15 +13,28 @@ import numpy as np
 
 from handlab.anatomy.records import Array, Hand
 from handlab.show import wire
-from handlab.simulation.geometric_muscle import OVERLAP, geometric_muscles
+from handlab.simulation.geometric_muscle import OVERLAP, GeometricMuscles, geometric_muscles
 from handlab.simulation.muscle_surface import TIP, Skeleton, skeletons, tube_faces
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.tendon_ridges import MOST_BOW, STRAIGHT, taut
-from handlab.simulation.tendons import EVEN, courses
+from handlab.simulation.tendon_kernel import SWEEPS
+from handlab.simulation.tendons import EVEN, LIFTS, courses
 
 STRIDE = 2  # of all rings and points of a section, every second is drawn
 ROUND = 6  # corners of a tendon's section
 SINEW = (226, 233, 236)
+HEAD = {
+    "overlap": OVERLAP,
+    "tip": TIP,
+    "round": ROUND,
+    "half_unit": wire.HALF_UNIT,
+    "stride": STRIDE,
+    "even": EVEN,
+    "lifts": LIFTS,
+    "sweeps": SWEEPS,
+    "straight": STRAIGHT,
+    "most_bow": MOST_BOW,
+}
 
 
 @per_hand
@@ -35,24 +48,20 @@ def packed_layers(hand: Hand) -> bytes:
         "faces": np.concatenate([muscle_arrays["faces"], tendon_arrays.pop("tendon_faces")]).astype("<u2"),
         "tone": np.concatenate([muscle_arrays["tone"], pale]),
     }
-    head = {
-        "overlap": OVERLAP,
-        "tip": TIP,
-        "round": ROUND,
-        "half_unit": wire.HALF_UNIT,
-        "stride": STRIDE,
-        "even": EVEN,
-        "straight": STRAIGHT,
-        "most_bow": MOST_BOW,
-    }
-    return wire.packed({"muscles": muscles, "tendons": tendons, **head}, {**muscle_arrays, **tendon_arrays, **both})
+    return wire.packed({"muscles": muscles, "tendons": tendons, **HEAD}, {**muscle_arrays, **tendon_arrays, **both})
 
 
-def bellies(hand: Hand) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Every muscle: names and sizes; weights along and across, triangles and colours of all."""
+def packed_bellies(hand: Hand, muscles: GeometricMuscles) -> bytes:
+    """The same of ``muscles`` alone, without tendons."""
+    told, arrays = bellies(hand, muscles)
+    return wire.packed({"muscles": told, "tendons": [], **HEAD}, {**arrays, "faces": arrays["faces"].astype("<u2")})
+
+
+def bellies(hand: Hand, muscles: GeometricMuscles | None = None) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Every muscle of the hand, or of ``muscles``: names and sizes; weights along and across, triangles and colours of all."""
     from handlab.show.muscle_layer import BUNDLE, tones
 
-    muscles = geometric_muscles(hand)
+    muscles = geometric_muscles(hand) if muscles is None else muscles
     told, along, across, faces, tone = [], [], [], [], []
     points = corners = 0
     for name, drives, part, fibres, kept in zip(
@@ -108,7 +117,7 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
     ``corner`` corners of triangles."""
     told: list[dict[str, Any]] = []
     faces = []
-    via = row = sample = over = 0
+    via = row = sample = over = ball = 0
     for course in courses(hand):
         rows, vias = course.spread.shape
         stations = (rows + STRIDE - 1) // STRIDE + (rows % STRIDE == 0)
@@ -118,14 +127,15 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
             {
                 "name": course.name, "title": f"tendon: {course.name}", "drives": [hand.muscle_names.index(course.muscle)],
                 "radius": course.radius, "rows": rows, "vias": vias, "via": via, "row": row, "weight": sample, "over": over,
-                "joints": len(course.reach),
+                "joints": len(course.reach), "ball": ball, "balls": len(course.balls.radius),
                 "stations": stations, "first": first, "end": first + count, "corner": corner, "last": corner + mesh.size,
             }
         )  # fmt: skip
         faces.append(mesh + first)
         via, row, sample, over = via + vias, row + rows, sample + rows * vias, over + len(course.reach)
-        first, corner = first + count, corner + mesh.size
+        first, corner, ball = first + count, corner + mesh.size, ball + len(course.balls.radius)
     every = courses(hand)
+    balls = [course.balls for course in every]
     for one in taut(hand):
         told[one.course]["taut"] = {"muscle": one.muscle, "knuckle": one.knuckle, "reach": one.reach}
     way = [np.zeros_like(course.nudge) for course in every]
@@ -134,6 +144,7 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
     return told, {
         "via_point": np.concatenate([course.point for course in every]).astype("<f4"),
         "via_body": np.concatenate([course.body for course in every]).astype("u1"),
+        "via_up": np.concatenate([course.up for course in every]).astype("<f4"),
         "spread": np.concatenate([course.spread.ravel() for course in every]).astype("<f4"),
         "nudge": np.concatenate([course.nudge for course in every]).astype("<f4"),
         "taut_way": np.concatenate(way).astype("<f4"),
@@ -142,5 +153,10 @@ def sinews(hand: Hand, first: int, corner: int) -> tuple[list[dict[str, Any]], d
         "over_axis": np.concatenate([course.axis for course in every]).astype("<f4"),
         "over_body": np.concatenate([course.carrier for course in every]).astype("u1"),
         "over_reach": np.concatenate([course.reach for course in every]).astype("<f4"),
+        "ball_centre": np.rint(np.concatenate([one.centre for one in balls]) / wire.UNIT).astype("<i2"),
+        "ball_radius": np.rint(np.concatenate([one.radius for one in balls]) / wire.HALF_UNIT).astype("<i2"),
+        "ball_body": np.concatenate([one.body for one in balls]).astype("u1"),
+        "ball_first": np.concatenate([one.first for one in balls]).astype("u1"),
+        "ball_last": np.concatenate([one.last for one in balls]).astype("u1"),
         "tendon_faces": np.concatenate(faces),
     }

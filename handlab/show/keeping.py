@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from handlab.anatomy.grids import MuscleGrid
+from handlab.anatomy.records import Hand
 from handlab.anatomy.terms import find
 from handlab.show import keepsakes, wire
 from handlab.show.moments import Story
@@ -77,7 +78,9 @@ class KeepingHand(MovingHand):
             self._open(found.name)
             self._answer(f"loaded the clip {found.name!r}: {self._seconds:.1f} s")
         elif isinstance(found, MuscleGrid):
-            self._paint(found)
+            from handlab.simulation.painted import with_painted
+
+            self.paint(with_painted(self.hand, found), found)
         else:
             self._leave()
             self.state, self.contraction, self.hold, self._awake = found.state, found.contraction, found.hold, AWAKE
@@ -86,14 +89,14 @@ class KeepingHand(MovingHand):
             self._answer(f"loaded the pose {file!r}")
         self._status()
 
-    def _paint(self, grid: MuscleGrid) -> None:
-        from handlab.simulation.painted import with_painted
-
-        self.adopt(with_painted(self.hand, grid))
+    def paint(self, hand: Hand, grid: MuscleGrid) -> None:
+        """Go on with ``hand``, which is this one with a painted muscle."""
+        self.adopt(hand)
         if self.segments:
             self._tell_layers()
         drives = " and ".join(self.hand.muscles[name].abbreviation for name in grid.drives)
         self._answer(f"the muscle {grid.name!r} is in; {drives} makes it swell")
+        self._status()
 
     def _tell_layers(self) -> None:
         """Tell what stays of muscles and tendons."""

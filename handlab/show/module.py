@@ -8,13 +8,18 @@ from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
 PARTS = ("flesh.js", "lean.js", "hand3d.js", "plots.js", "style.js", "recorded.js", "viewer.js")  # each imports only what stands before it
+PAINT = ("flesh.js", "lean.js", "hand3d.js", "style.js", "paint.js")
 ENTRY = "viewer.js"
 OWN_IMPORT = re.compile(r'^import \{[^}]*\} from "\./[a-z0-9]+\.js";\n', flags=re.MULTILINE)
 
 
 @cache
+def joined(parts: tuple[str, ...]) -> str:
+    """Files as one plain piece of a script, without imports of one another and without exports."""
+    text = "\n".join(OWN_IMPORT.sub("", (STATIC / part).read_text(encoding="utf-8")) for part in parts)
+    return re.sub(r"^export (?=(?:async )?(?:function|class|const) )", "", text, flags=re.MULTILINE)
+
+
 def viewer_module(*, exports: bool = True) -> str:
     """All parts as one module that exports ``mount`` and ``recorded``; without ``exports`` it is a plain piece of a script."""
-    text = "\n".join(OWN_IMPORT.sub("", (STATIC / part).read_text(encoding="utf-8")) for part in PARTS)
-    text = re.sub(r"^export (?=(?:async )?(?:function|class|const) )", "", text, flags=re.MULTILINE)
-    return text + ("\nexport { mount, recorded };\n" if exports else "")
+    return joined(PARTS) + ("\nexport { mount, recorded };\n" if exports else "")

@@ -27,6 +27,7 @@ from handlab.simulation.muscle_surface import skeletons
 
 MOST_COLUMNS = 8
 MOST_FINER = 6
+MOST_POINTS = 512
 
 Row = str | Mapping[str, float] | None
 
@@ -91,28 +92,33 @@ class Painting:
         self.settings = settings
         self.points: Array = np.empty((0, 3))
         self._past: list[Array] = []
+        self._passing = False
         self.result: Result | None = None
         self.problem: str | None = None
+        self.fits = 0  # how often it was fitted: a new result has a new number
         self.set()
 
     def set(self, **changes: Any) -> None:
         """Change settings by name. One that can be no muscle's raises ``ValueError`` or ``UnknownName``, and nothing is changed."""
-        names = tuple(field.name for field in fields(Settings))
-        given = {find(name, names, kind="setting of a painted muscle"): value for name, value in changes.items()}
-        self.settings = self._checked(replace(self.settings, **given))
+        self.settings = self.wanted(changes)
         self._fit()
 
-    def _checked(self, wanted: Settings) -> Settings:
-        """The settings in their final form, tried on a grid that lies nowhere in particular."""
+    def wanted(self, changes: Mapping[str, Any]) -> Settings:
+        """What ``set`` would make of ``changes``: settings in their final form, tried on a grid that lies nowhere in particular."""
+        names = tuple(field.name for field in fields(Settings))
+        given = {find(name, names, kind="setting of a painted muscle"): value for name, value in changes.items()}
+        wanted = replace(self.settings, **given)
         columns, finer = int(wanted.columns), int(wanted.finer)
         if not 2 <= columns <= MOST_COLUMNS:
             raise ValueError(f"columns is {wanted.columns}; a row has 2 to {MOST_COLUMNS} points")
         if not 1 <= finer <= MOST_FINER:
             raise ValueError(f"finer is {wanted.finer}; divide rows by 1 (as painted) to {MOST_FINER}")
-        thickness = tuple(float(value) for value in wanted.thickness_mm)
-        if len(thickness) != 2:
-            raise ValueError(f"thickness_mm is {wanted.thickness_mm}; give the least and the most, like (2, 7)")
+        thickness = np.atleast_1d(np.asarray(wanted.thickness_mm, dtype=np.float64))
+        if thickness.shape != (2,) or np.isnan(thickness).any():
+            raise ValueError("thickness_mm is two numbers in millimetres, 0 < least <= most, like (2, 7)")
         depth = np.atleast_1d(np.asarray(wanted.skin_distance_mm, dtype=np.float64))
+        if depth.ndim != 1 or not len(depth):
+            raise ValueError("skin_distance_mm is a skin distance in millimetres, or one for each row, like (6, 3, 2)")
         bones = (wanted.bones,) if isinstance(wanted.bones, str | Mapping) else tuple(wanted.bones or ())
         named: list[Row] = []
         for row in bones:
@@ -137,7 +143,7 @@ class Painting:
             drive=drive,
             columns=columns,
             finer=finer,
-            thickness_mm=(thickness[0], thickness[1]),
+            thickness_mm=(float(thickness[0]), float(thickness[1])),
             skin_distance_mm=float(depth[0]) if len(depth) == 1 else tuple(float(value) for value in depth),
             bones=tuple(named),
             on_bone=(bool(wanted.on_bone[0]), bool(wanted.on_bone[1])),
@@ -145,8 +151,7 @@ class Painting:
 
     def add(self, points: ArrayLike) -> None:
         """Points (..., 3) in metres on the skin, row after row from origin to insertion. One off the skin raises; then none is added."""
-        wanted = self._on(points).reshape(-1, 3)
-        self._put(np.concatenate([self.points, wanted]))
+        self.put(np.concatenate([self.points, self._on(points).reshape(-1, 3)]))
 
     def move(self, number: int, point: ArrayLike) -> None:
         """Put the point ``number`` (0 is the first) somewhere else."""
@@ -154,7 +159,26 @@ class Painting:
             raise ValueError(f"there is no point {number}; {len(self.points)} are painted, counted from 0")
         moved = self.points.copy()
         moved[number] = self._on(point).reshape(3)
-        self._put(moved)
+        self.put(moved)
+
+    def put(self, points: ArrayLike, settings: Settings | None = None, *, passing: bool = False, back: bool = False) -> None:
+        """Points (n, 3) in place of all that are there, with ``settings`` that ``wanted`` gave, fitted once. One off the skin raises.
+
+        ``passing``: a point is still being dragged; the whole way is one change to ``undo``. ``back``: this is what ``undo`` would do.
+        """
+        given = np.asarray(points, dtype=np.float64)
+        if given.size > 3 * MOST_POINTS:
+            raise ValueError(f"there are {given.size // 3} points; a grid has at most {MOST_POINTS}")
+        new = self._on(given).reshape(-1, 3) if given.size else np.empty((0, 3))
+        if not same(new, self.points):
+            if back and self._past and same(new, self._past[-1]):
+                self._past.pop()
+            elif not self._passing:
+                self._past.append(self.points)
+        changed = not same(new, self.points) or settings not in (None, self.settings)
+        self.points, self.settings, self._passing = new, settings or self.settings, passing
+        if changed:
+            self._fit()
 
     def undo(self) -> None:
         """Take back the last change of the points; nothing happens when there is none."""
@@ -164,13 +188,7 @@ class Painting:
 
     def clear(self) -> None:
         """Take all points away; ``undo`` brings them back."""
-        if len(self.points):
-            self._put(np.empty((0, 3)))
-
-    def _put(self, points: Array) -> None:
-        self._past.append(self.points)
-        self.points = points
-        self._fit()
+        self.put(np.empty((0, 3)))
 
     def _on(self, points: ArrayLike) -> Array:
         wanted = np.asarray(points, dtype=np.float64)
@@ -199,7 +217,7 @@ class Painting:
 
     def _fit(self) -> None:
         begin = time.perf_counter()
-        self.result, self.problem = None, None
+        self.result, self.problem, self.fits = None, None, self.fits + 1
         if len(self.rows) < 2:
             return
         chosen, carriers = self.settings, self.carriers
@@ -254,6 +272,11 @@ class Painting:
         grid = self.required().grid
         others = load_grids() if grids is None else grids
         return muscles_of(self.hand, [*(one for one in others if one.name != grid.name), grid])
+
+
+def same(points: Array, others: Array) -> bool:
+    """Whether two lists of points are the same but for rounding."""
+    return points.shape == others.shape and bool(np.allclose(points, others, rtol=0.0, atol=1e-9))
 
 
 def influenced_by(hand: Hand, muscle: GeometricMuscles) -> Index:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,9 @@ from handlab.fitting.calibration import as_scale
 from handlab.show.colours import BLUE, FAINT, INK, VERMILION
 from handlab.show.figure_panel import FigurePanel
 from handlab.show.figures import drawing
-from handlab.show.main_thread import OnMain
 from handlab.studies.table_photo import RULER_MM, seen, table_photo
 
 RULERS_MM, CAMERAS_MM = (0.0, 60.0), (250.0, 2000.0)
-WORDS = {"ruler_mm": "ruler, mm", "camera_mm": "camera, mm"}
 SIDE = 0.35  # of the camera's height: how far the side view reaches to either side
 
 
@@ -125,23 +123,5 @@ class RulerPanel(FigurePanel):
     @cached_property
     def sliders(self) -> dict[str, Any]:
         """The sliders by name, ``ruler_mm`` and ``camera_mm`` (ipywidgets)."""
-        import ipywidgets
-
-        made = {}
-        for name, (low, high), step in (("ruler_mm", RULERS_MM, 1.0), ("camera_mm", CAMERAS_MM, 50.0)):
-            slider = ipywidgets.FloatSlider(
-                value=self._values[name],
-                min=low,
-                max=high,
-                step=step,
-                description=WORDS[name],
-                style={"description_width": "initial"},
-                readout_format=".0f",
-                continuous_update=False,
-            )
-            slider.layout.width = "45%"
-            made[name] = self.observe(slider, OnMain(partial(self._slid, name)))
-        return made
-
-    def _slid(self, name: str, value: float) -> None:
-        self.set(**{name: value})
+        kinds = {"ruler_mm": (RULERS_MM, 1.0, "ruler, mm"), "camera_mm": (CAMERAS_MM, 50.0, "camera, mm")}
+        return {name: self.slider_of(name, self._values[name], *kind) for name, kind in kinds.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -160,15 +160,4 @@ class WarpPanel(FigurePanel):
     @cached_property
     def sliders(self) -> dict[str, Any]:
         """The sliders by name, ``distal_mm`` and ``radial_mm`` (ipywidgets)."""
-        import ipywidgets
-
-        made = {}
-        for name, value in self._drag.items():
-            slider = ipywidgets.FloatSlider(value=value, min=-MOST_MM, max=MOST_MM, step=1.0, description=WORDS[name], readout_format=".0f")
-            slider.continuous_update, slider.style.description_width = False, "initial"
-            slider.layout.width = "45%"
-            made[name] = self.observe(slider, OnMain(partial(self._slid, name)))
-        return made
-
-    def _slid(self, name: str, value: float) -> None:
-        self.set(**{name: value})  # type: ignore[arg-type]
+        return {name: self.slider_of(name, value, (-MOST_MM, MOST_MM), 1.0, WORDS[name]) for name, value in self._drag.items()}

@@ -37,7 +37,7 @@ from handlab.simulation.geometric_muscle import Ellipsoids
 from handlab.simulation.keyframes import clips, keyframes
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.skin import binding
+from handlab.simulation.skin import binding, flat_height
 
 BODIES, SKIN, SEGMENTS, RIDGES = 1, 2, 4, 8
 UNIT, HALF_UNIT = 1e-5, 1e-6  # m: a hand reaches less than 32 cm from its wrist, a muscle is less than 6 cm thick
@@ -147,7 +147,7 @@ def meshes(hand: Hand) -> dict[str, Any]:
         "fine_faces": fine.faces.astype("<u2"),
         "fine_triangle": fine.triangle.astype("<u2"),
         "fine_barycentric": fine.barycentric[:, :2].astype("<f4"),
-        "fine_height": fine.height.astype("<f4"),
+        "fine_height": flat_height(hand).astype("<f4"),
         "fine_tone": complexion(hand),
         "bone_points": np.concatenate([bone.points for bone in bones]).astype("<f4"),
         "bone_faces": np.concatenate([bone.faces + first for bone, first in zip(bones, before, strict=False)]).astype("<u2"),
@@ -208,9 +208,13 @@ def frame(
         lifted = np.clip(np.rint(ridges[1] / LIFT_UNIT), 0, 255).astype("u1").tobytes()
         text += struct.pack("<I", len(ridges[0])) + filled(ridges[0].astype("<u2").tobytes()) + filled(lifted)
     if segments is not None:
-        table = [segments.centre / UNIT, 32767 * quaternions(segments.frame), segments.half / HALF_UNIT]
-        text += whole(np.concatenate(table, axis=1))
+        text += segment_table(segments)
     return text
+
+
+def segment_table(segments: Ellipsoids) -> bytes:
+    """Segments of muscles as the kind 4 above."""
+    return whole(np.concatenate([segments.centre / UNIT, 32767 * quaternions(segments.frame), segments.half / HALF_UNIT], axis=1))
 
 
 def whole(values: Array) -> bytes:

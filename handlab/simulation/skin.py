@@ -81,14 +81,26 @@ def normals(hand: Hand, skin_points: ArrayLike) -> Array:
 def fine_points(hand: Hand, skin_points: ArrayLike, raised: Array | None = None) -> Array:
     """Points (Nf, 3) of the detailed skin on an even skin (N, 3): sum_i barycentric_i (p_i + height n_i).
 
-    ``raised`` (Nf,) m is added to the heights: ridges of tendons.
+    Where the even skin is more curved than in the bind posture, heights grow by as much as it rises over its flat triangles
+    (``sagitta``). ``raised`` (Nf,) m is added to them: ridges of tendons.
     """
     points = skin_array(hand, skin_points)
-    fine = hand.skin_fine
-    out = np.empty_like(fine.points)
-    height = fine.height if raised is None else frozen(fine.height + raised)
-    kernel.bound_points(points, normals(hand, points), binding(hand).corners, fine.barycentric, height, out)
+    fine, bound, upright = hand.skin_fine, binding(hand), normals(hand, points)
+    height, out = np.empty(len(fine.points)), np.empty_like(fine.points)
+    kernel.sagitta(points, upright, bound.corners, fine.barycentric, height)
+    height += flat_height(hand)
+    if raised is not None:
+        height += raised
+    kernel.bound_points(points, upright, bound.corners, fine.barycentric, frozen(height), out)
     return out
+
+
+@per_hand
+def flat_height(hand: Hand) -> Array:
+    """Heights (Nf,) of the fine skin over the even one, were that as flat between its points as its triangles are."""
+    fine, sag = hand.skin_fine, np.empty(len(hand.skin_fine.points))
+    kernel.sagitta(hand.skin.points, normals(hand, hand.skin.points), binding(hand).corners, fine.barycentric, sag)
+    return frozen(fine.height - sag)
 
 
 def skin_array(hand: Hand, skin_points: ArrayLike) -> Array:

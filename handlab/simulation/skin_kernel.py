@@ -124,3 +124,21 @@ def bound_points(points: Array, normals: Array, corners: Index, barycentric: Arr
             y += g * (points[v, 1] + h * normals[v, 1])
             z += g * (points[v, 2] + h * normals[v, 2])
         out[n, 0], out[n, 1], out[n, 2] = x, y, z
+
+
+@compiled
+def sagitta(points: Array, normals: Array, corners: Index, barycentric: Array, out: Array) -> None:
+    """How far (n,) a surface that is as curved as its normals say rises over its flat triangles: -1/2 sum_i b_i (p - p_i) . n_i.
+
+    Exact to third order in the edges: (1 - s) s k l^2 / 2 on an edge l of curvature k, where Phong tessellation has twice that.
+    """
+    for n in range(corners.shape[0]):
+        i, j, k = corners[n, 0], corners[n, 1], corners[n, 2]
+        a, b, c = barycentric[n, 0], barycentric[n, 1], barycentric[n, 2]
+        total = 0.0
+        for x in range(3):
+            p = a * points[i, x] + b * points[j, x] + c * points[k, x]
+            total += a * (p - points[i, x]) * normals[i, x]
+            total += b * (p - points[j, x]) * normals[j, x]
+            total += c * (p - points[k, x]) * normals[k, x]
+        out[n] = -0.5 * total

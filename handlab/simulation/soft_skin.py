@@ -24,6 +24,7 @@ from handlab.physics.springs import (
     substeps,
 )
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
+from handlab.simulation.hairy_skin import firmness
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import packed
 from handlab.simulation.soft_skin_kernel import Node
@@ -31,7 +32,7 @@ from handlab.simulation.soft_ties import Ties, ties_of
 from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, face_normals, node_areas
 
 YOUNG = 100e3  # Pa, skin in tension: the order of most measurements in vivo
-TISSUE = 15e3  # Pa, fat and loose tissue below the skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
+TISSUE = 15e3  # Pa, fat in chambers of fibre below the palm's skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
 THICKNESS = 0.0015  # m, epidermis and dermis, between the back of the hand (about 1) and the palm (about 2): assumption
 DENSITY = 1100.0  # kg/m^3
 PRESTRETCH = 0.03  # skin of the resting hand is taut by this much (cut skin gapes): assumption, at the low end
@@ -141,7 +142,7 @@ def soft_skin(
 ) -> Network:
     """The network of a hand, built once for every set of constants.
 
-    ``young`` Pa of the skin, ``tissue`` Pa of what is below it, ``thickness`` m of the skin; ``slack`` and ``prestretch`` as in the
+    ``young`` Pa of the skin, ``tissue`` Pa of what is below it in the palm (less below hairy skin, see ``hairy_skin``), ``thickness`` m of the skin; ``slack`` and ``prestretch`` as in the
     constants above; ``muscles``: others than the shipped ones, such as painted ones. Raises ``ValueError`` for numbers that make no net.
     """
     numbers = {"young": young, "tissue": tissue, "thickness": thickness, "slack": slack, "prestretch": prestretch, "damping": damping}
@@ -209,7 +210,7 @@ def _network(
     depth = np.linalg.norm(arm, axis=1)
     arm *= (np.maximum(depth, SHALLOWEST) / depth)[:, None]
     depth = np.maximum(depth, SHALLOWEST)
-    hold = column_stiffness(tissue, area, depth) / 2.0
+    hold = column_stiffness(tissue * firmness(hand, depth, thickness), area, depth) / 2.0
     centre = balanced(points, arm, hold, tension(points, edges, stiffness, rest))
     centre_area = node_areas(Mesh(centre, skin.faces))
     index, weight = anchor_weights(hand, edges, distance, nearest)

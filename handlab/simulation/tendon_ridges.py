@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.physics.muscle import muscle_force
 from handlab.simulation.geometric_kernel import first_hit
+from handlab.simulation.hairy_skin import loose
 from handlab.simulation.mechanics import fibre_lengths
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import normals
@@ -24,13 +25,14 @@ from handlab.simulation.soft_skin import THICKNESS, TISSUE, YOUNG
 from handlab.simulation.tendons import SAMPLES, Course, courses
 
 BAND = 0.002  # m: half the width of a tendon, which is a flat band there, not the round tube that is drawn: assumption
-BED = 0.003  # m: depth of the tissue beside it: assumption, from sections of the reference hand
+BED = 0.003  # m: depth of skin and tissue beside it: assumption, from sections of the reference hand
+BED_STIFFNESS = TISSUE * float(loose(BED, THICKNESS)) / BED  # Pa/m
 STRAIGHT = 0.25  # share of its greatest force at which a tendon is straight: assumption
 MOST_BOW = 0.0015  # m: sagittal bands and fascia hold a tendon nearer to the bone than this: assumption
 FLATTENED = 0.0013  # m: l_g above, for a ridge 8 mm from foot to foot
 FADE = 0.008  # m: over which a ridge begins and ends
 DEEP = 0.012  # m: a tendon deeper than this shows nowhere
-LENGTH = (4.0 * YOUNG * THICKNESS**3 / 12.0 * BED / TISSUE) ** 0.25
+LENGTH = (4.0 * YOUNG * THICKNESS**3 / 12.0 / BED_STIFFNESS) ** 0.25
 
 # Via points (see ``tendon_table``): from the retinaculum over the knuckle to where the ridge ends; and the knuckle.
 SPANS = {"common extensor": (3, 7, 8), "extensor of the": (3, 7, 8), "long extensor of the thumb": (3, 5, 6)}

@@ -6,7 +6,7 @@ head of the bone. Courses as in any atlas of anatomy; how far above the bone a t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,13 +14,17 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.physics.distance import closest, winding
+from handlab.simulation.bone_frames import BoneFrames
 from handlab.simulation.geometric_kernel import first_hit
-from handlab.simulation.kinematics import relative_transforms, transforms, tree
+from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.tendon_balls import Balls, in_the_way, none, postures
+from handlab.simulation.tendon_kernel import lifted
 from handlab.simulation.tendon_table import COURSES, Flat, Ring
 
 SAMPLES = 7  # points of a tube from one via point to the next
 EVEN = 2  # smoothing passes
+LIFTS = 4  # rounds of lifting a tendon out of bone in a pose
 ENDING = 4  # points of an end that may go into its bone
 NEAR = 0.01  # metres: bones further from a tendon than this cannot be in its way
 NUDGES = 5  # rounds of lifting points off the bones
@@ -38,16 +42,18 @@ class Tube(NamedTuple):
 
 @dataclass(frozen=True)
 class Course:
-    """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v).
+    """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v); ``up`` (v, 3)
+    points out of the bone there.
 
     ``nudge`` (n, 3) with bodies ``nudged`` (n,): what lifts the curve off the bones between its via points.
-    It is laid over joints: ``centre``, ``axis`` (j, 3) on bodies ``carrier`` (j,), at the distance ``reach`` (j,).
+    It is laid over joints: ``centre``, ``axis`` (j, 3) on bodies ``carrier`` (j,), at the distance ``reach`` (j,), and out of ``balls``.
     """
 
     name: str
     muscle: str
     radius: float
     point: Array
+    up: Array
     body: Index
     spread: Array
     nudge: Array
@@ -56,6 +62,7 @@ class Course:
     axis: Array
     carrier: Index
     reach: Array
+    balls: Balls
 
 
 def tendons(hand: Hand, angle: ArrayLike, contraction: ArrayLike | None = None) -> tuple[Tube, ...]:
@@ -70,15 +77,16 @@ def tendons(hand: Hand, angle: ArrayLike, contraction: ArrayLike | None = None) 
         for one, bow in zip(taut(hand), pulled(hand, angle, contraction)[1], strict=True):
             off[one.course] = off[one.course] + bow * one.way
     return tuple(
-        Tube(course.name, course.muscle, _line(course, moved, nudge), course.radius)
+        Tube(course.name, course.muscle, laid(course, moved, nudge), course.radius)
         for course, nudge in zip(courses(hand), off, strict=True)
     )
 
 
-def _line(course: Course, moved: Array, nudge: Array) -> Array:
+def laid(course: Course, moved: Array, nudge: Array | None = None) -> Array:
+    """Points (n, 3) of a tendon for ``relative_transforms``; ``nudge`` (n, 3): another one than its own, as where it is straight."""
     carried = moved[course.body]
     line: Array = course.spread @ (np.einsum("vij,vj->vi", carried[:, :3, :3], course.point) + carried[:, :3, 3])
-    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], nudge)
+    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], course.nudge if nudge is None else nudge)
     under = moved[course.carrier]
     centre = np.einsum("jab,jb->ja", under[:, :3, :3], course.centre) + under[:, :3, 3]
     axis = np.einsum("jab,jb->ja", under[:, :3, :3], course.axis)
@@ -86,6 +94,11 @@ def _line(course: Course, moved: Array, nudge: Array) -> Array:
         _lay_over(line, centre, axis, course.reach)
         line[1:-1] = 0.5 * line[1:-1] + 0.25 * line[:-2] + 0.25 * line[2:]
     _lay_over(line, centre, axis, course.reach)
+    balls, carried = course.balls, moved[course.balls.body]
+    middle = np.einsum("bij,bj->bi", carried[:, :3, :3], balls.centre) + carried[:, :3, 3]
+    up: Array = course.spread @ np.einsum("vij,vj->vi", moved[course.body][:, :3, :3], course.up)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    lifted(line, up, middle, balls.radius + course.radius, balls.first, balls.last, LIFTS)
     return line
 
 
@@ -106,31 +119,33 @@ def courses(hand: Hand) -> tuple[Course, ...]:
     at = _Bones(hand)
     found = []
     for name, muscle, radius_mm, vias in COURSES:
-        points, bodies = zip(*(at.via(via, radius_mm) for via in vias), strict=True)
+        points, ups, bodies = zip(*(at.via(via, radius_mm) for via in vias), strict=True)
         joints = [via.over for via in vias if isinstance(via, Ring) and via.over]
         if any(isinstance(via, Flat) for via in vias):
             joints.insert(0, "wrist")
         line = np.array(points)
         spread = _catmull_rom(line)
         nudge, nudged = at.lifted(spread @ line, 1e-3 * radius_mm)
-        laid = [at.joint(joint, spread @ line + nudge) for joint in joints]
-        centre, axis, carrier, reach = zip(*laid, strict=True) if laid else ((), (), (), ())
-        found.append(
-            Course(
-                name,
-                hand.muscles[muscle].name,
-                1e-3 * radius_mm,
-                frozen(line),
-                frozen(bodies, np.int64),
-                frozen(spread),
-                frozen(nudge),
-                frozen(nudged, np.int64),
-                frozen(np.reshape(centre, (-1, 3))),
-                frozen(np.reshape(axis, (-1, 3))),
-                frozen(carrier, np.int64),
-                frozen(reach),
-            )
+        under = [at.joint(joint, spread @ line + nudge) for joint in joints]
+        centre, axis, carrier, reach = zip(*under, strict=True) if under else ((), (), (), ())
+        course = Course(
+            name,
+            hand.muscles[muscle].name,
+            1e-3 * radius_mm,
+            frozen(line),
+            frozen(ups),
+            frozen(bodies, np.int64),
+            frozen(spread),
+            frozen(nudge),
+            frozen(nudged, np.int64),
+            frozen(np.reshape(centre, (-1, 3))),
+            frozen(np.reshape(axis, (-1, 3))),
+            frozen(carrier, np.int64),
+            frozen(reach),
+            none(),
         )
+        lines = np.array([laid(course, moved)[:-ENDING] for moved in postures(hand)])
+        found.append(replace(course, balls=in_the_way(hand, lines, course.radius)))
     return tuple(found)
 
 
@@ -149,38 +164,22 @@ def _catmull_rom(line: Array) -> Array:
     return np.array([*rows, np.eye(count)[-1]])
 
 
-class _Bones:
-    """Places on the bones of one hand in the bind posture."""
+class _Bones(BoneFrames):
+    """Places of tendons on the bones of one hand in the bind posture."""
 
-    def __init__(self, hand: Hand) -> None:
-        self.hand = hand
-        self.radial = 1.0 if hand.side == "right" else -1.0
-        posed, axes, _ = transforms(tree(hand), hand.bind)
-        row = {name: k for k, name in enumerate(hand.body_names)}
-        self.centre = {}
-        for name, joint in hand.joints.items():
-            carrier = row[hand.bones[joint.parent].body if joint.parent in hand.bones else joint.parent]
-            self.centre[name] = posed[carrier][:3, :3] @ joint.centre + posed[carrier][:3, 3]
-        self.axes = {name: axes[k] for k, name in enumerate(hand.dof_names)}
-        self.size = float(np.linalg.norm(self.centre["mcp3"] - self.centre["wrist"]))
-
-    def via(self, via: Ring | Flat, radius_mm: float) -> tuple[Array, int]:
-        """Place and body of a via point."""
+    def via(self, via: Ring | Flat, radius_mm: float) -> tuple[Array, Array, int]:
+        """Place of a via point, which way is out of the bone there, and its body."""
+        body = via.body if isinstance(via, Flat) else self.hand.bones[via.bone].body
         if isinstance(via, Flat):
-            return self._flat(via, radius_mm)
-        return self._ring(via, radius_mm), self.hand.body_names.index(self.hand.bones[via.bone].body)
-
-    def _ring(self, via: Ring, radius_mm: float) -> Array:
-        base, head, palmar, radial = self.frame(via.bone)
-        start = base + via.along * (head - base)
-        way = via.palmar * palmar + via.radial * radial
-        return self._onto([via.bone], start, way / np.linalg.norm(way), via.lift_mm + radius_mm)
-
-    def _flat(self, via: Flat, radius_mm: float) -> tuple[Array, int]:
-        way = np.array([0.0, 1.0 if via.palmar else -1.0, 0.0])
-        start = self.centre["wrist"] + self.size * np.array([via.distal, 0.0, self.radial * via.radial])
-        bones = [name for name, bone in self.hand.bones.items() if bone.body == via.body and not name.startswith("metacarpal")]
-        return self._onto(bones, start, way, via.lift_mm + radius_mm), self.hand.body_names.index(via.body)
+            way = np.array([0.0, 1.0 if via.palmar else -1.0, 0.0])
+            start = self.centre["wrist"] + self.size * np.array([via.distal, 0.0, self.radial * via.radial])
+            bones = [name for name, bone in self.hand.bones.items() if bone.body == body and not name.startswith("metacarpal")]
+        else:
+            base, head, palmar, radial = self.frame(via.bone)
+            start, bones = base + via.along * (head - base), [via.bone]
+            way = via.palmar * palmar + via.radial * radial
+            way /= np.linalg.norm(way)
+        return self._onto(bones, start, way, via.lift_mm + radius_mm), way, self.hand.body_names.index(body)
 
     def _onto(self, bones: list[str], start: Array, way: Array, lift_mm: float) -> Array:
         corners = np.concatenate([self.hand.bones[name].points[self.hand.bones[name].faces] for name in bones])
@@ -188,23 +187,6 @@ class _Bones:
         height = FAR - distance if np.isfinite(distance) else 0.0
         place: Array = start + (height + 1e-3 * lift_mm) * way
         return place
-
-    def frame(self, bone: str) -> tuple[Array, Array, Array, Array]:
-        """Base and head of a metacarpal or phalanx (joint centres), its palmar and radial direction."""
-        digit = bone[-1]
-        chain = ["cmc1", "mcp1", "ip1"] if digit == "1" else [f"{joint}{digit}" for joint in ("cmc", "mcp", "pip", "dip")]
-        bones = [f"metacarpal_{digit}", f"proximal_phalanx_{digit}", *([] if digit == "1" else [f"middle_phalanx_{digit}"])]
-        place = [*bones, f"distal_phalanx_{digit}"].index(bone)
-        base = self.centre[chain[place]]
-        if place + 1 < len(chain):
-            head = self.centre[chain[place + 1]]
-        else:
-            points = self.hand.bones[bone].points
-            head = points[np.linalg.norm(points - base, axis=1).argmax()]
-        distal = (head - base) / np.linalg.norm(head - base)
-        palmar = np.cross(self.axes[f"{chain[max(place, 1)]}.flexion_extension"], distal)
-        palmar /= np.linalg.norm(palmar)
-        return base, head, palmar, self.radial * np.cross(distal, palmar)
 
     def lifted(self, line: Array, radius: float) -> tuple[Array, Index]:
         """Moves (n, 3) that take a curve out of the bones, and the bodies (n,) of the bones below it."""

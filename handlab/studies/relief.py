@@ -46,13 +46,35 @@ def outline(hand: Hand, fine_points: ArrayLike, angle: ArrayLike) -> tuple[Array
 
 
 def valleys(hand: Hand, fine_points: ArrayLike, angle: ArrayLike) -> Array:
-    """How deep (3,) m the skin sinks below the straight line from one knuckle's top to the next, index to middle first; 0: it does not."""
+    """How deep (3,) m the skin sinks below a straight edge laid across two neighbouring knuckles, index and middle first; 0: it does not.
+
+    Measured square to the edge, which touches where it touches: the row of knuckles falls towards the little finger, and what is highest
+    near its joint is the slope up to the next.
+    """
     station, height, place = outline(hand, fine_points, angle)
-    top = [near[height[near].argmax()] for near in (np.flatnonzero(np.abs(station - x) < BESIDE) for x in place)]
     found = []
-    for one, other in pairwise(top):
-        low, high = sorted((one, other))
-        between = slice(low, high + 1)
-        chord = np.interp(station[between], station[[low, high]], height[[low, high]])
-        found.append(float((chord - height[between]).max(initial=0.0)))
+    for one, other in pairwise(place):
+        near = np.flatnonzero((station > other - BESIDE) & (station < one + BESIDE))
+        left, right = touching(station[near], height[near], (one + other) / 2.0)
+        across = near[left : right + 1]
+        chord = np.interp(station[across], station[near[[left, right]]], height[near[[left, right]]])
+        slope = (chord[-1] - chord[0]) / (station[across[-1]] - station[across[0]])
+        found.append(float((chord - height[across]).max() / np.hypot(1.0, slope)))
     return np.array(found)
+
+
+def touching(station: Array, height: Array, middle: float) -> tuple[int, int]:
+    """Rows on either side of ``middle`` where a straight edge laid on an outline from above touches it."""
+    hull: list[int] = []
+    for k in range(len(station)):
+        while len(hull) > 1 and _above(station, height, hull[-2], hull[-1], k):
+            hull.pop()
+        hull.append(k)
+    right = next(n for n, k in enumerate(hull) if station[k] > middle)
+    return hull[right - 1], hull[right]
+
+
+def _above(station: Array, height: Array, one: int, between: int, other: int) -> bool:
+    """Whether the line from one row to another passes above what lies between them."""
+    run, rise = station[other] - station[one], height[other] - height[one]
+    return bool((height[between] - height[one]) * run <= (station[between] - station[one]) * rise)

@@ -230,12 +230,12 @@ class Front:
     def __init__(self, panel):
         pytest.importorskip("anywidget")
         self.panel, self.got = panel, []
-        panel.front.send = lambda content, buffers=None: self.got.append(content)
+        panel.page.widget.send = lambda content, buffers=None: self.got.append(content)
 
     def asks(self, message, data=None, parts=1):
         pieces = [[]] if data is None else [[data[k * len(data) // parts : (k + 1) * len(data) // parts]] for k in range(parts)]
         for k, piece in enumerate(pieces):
-            self.panel._hear(
+            self.panel.page.hear(
                 None,
                 {"page": "p", "id": len(self.got) + 7, "message": message, "part": k, "of": len(pieces), "data": data is not None},
                 piece,
@@ -258,7 +258,7 @@ def test_a_page_sends_a_picture_in_parts_then_clicks_and_moves_the_hand(file, wh
     assert not np.array_equal(complexion(panel.hand), complexion(panel.hand.with_(picture=None)))
     assert len(panel.widget.children) == 2
     panel.set(landmarks={"tip_index": (300, 300)})
-    assert front.got[-1]["clicks"]["landmarks"]["tip_index"] == [300.0, 300.0]
+    assert front.got[-1]["told"]["landmarks"]["tip_index"] == [300.0, 300.0]
 
 
 def test_points_are_guessed_and_the_guess_is_near_enough_to_correct(room, shot):

@@ -1,7 +1,10 @@
 """Painting a muscle: what a click means, what is refused and how, and that nothing clicked is ever lost."""
 
 import asyncio
+import base64
 import dataclasses
+import json
+import re
 import threading
 import time
 
@@ -9,16 +12,20 @@ import numpy as np
 import pytest
 
 import handlab as hl
-from handlab.anatomy.grids import load_grids
+from handlab.anatomy.grids import load_grid, load_grids
 from handlab.anatomy.meshes import Mesh
 from handlab.anatomy.terms import UnknownName
+from handlab.show.outfits import SOFT
 from handlab.show.paint_panel import PaintPanel
-from handlab.show.paint_picture import PaintPicture
+from handlab.show.paint_room import PaintRoom, warm_up
 from handlab.show.painting import influenced_by
+from handlab.show.session import Session
 from handlab.simulation.geometric_muscle import ellipsoids, geometric_muscles, muscles_of
+from handlab.simulation.grid_rows import on_skin
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.muscle_below import DEEP, hits, influenced
 from handlab.simulation.muscle_fit import checked_skin
+from handlab.simulation.painted import with_painted
 from handlab.simulation.soft_skin import soft_skin
 
 SHIPPED = next(grid for grid in load_grids() if grid.name == "flexor_pollicis_brevis")
@@ -33,9 +40,7 @@ def rows(hand):
 
 @pytest.fixture
 def panel(hand):
-    made = PaintPanel(hand, "painted", "FPB", columns=2)
-    yield made
-    made.canvas.close()
+    return PaintPanel(hand, "painted", "FPB", columns=2)
 
 
 @pytest.fixture
@@ -49,83 +54,42 @@ def blue_and_green(picture):
     return np.count_nonzero((blue > 110) & (red < 60) & (blue > green + 25)), np.count_nonzero((green > red + 35) & (green > blue + 5))
 
 
-# What a click means.
+# What a page sends.
 
 
-@pytest.mark.parametrize("change", ["as it opens", "turned", "near"])
-def test_a_place_in_the_picture_is_the_place_that_vtk_sees_there(hand, change):
-    canvas = PaintPicture(hand)
-    if change != "as it opens":
-        canvas.turn(0.23, -0.11)
-    if change == "near":
-        canvas.zoom(2.5, 0.7, 0.6)
-    from handlab.show.painting import Painting, Settings
-
-    canvas.draw(Painting(hand, Settings("none", "FPB")))
-    renderer = canvas._scene.plotter.renderer
-    width, height = canvas.size
-    import pyvista
-
-    mesh = pyvista.PolyData(hand.skin.points, np.column_stack([np.full(len(hand.skin.faces), 3), hand.skin.faces]))
-    met = 0
-    for x, y in ((0.5, 0.5), (0.42, 0.62), (0.6, 0.55), (0.37, 0.4), (0.02, 0.03)):
-        ends = []
-        for depth in (0.0, 1.0):
-            renderer.SetDisplayPoint(x * width, (1.0 - y) * height, depth)
-            renderer.DisplayToWorld()
-            world = np.array(renderer.GetWorldPoint())
-            ends.append(world[:3] / world[3])
-        hits, _ = mesh.ray_trace(ends[0], ends[1])
-        found = canvas.pick(x, y)
-        if not len(hits):
-            assert found is None
-            continue
-        met += 1
-        first = hits[np.linalg.norm(hits - ends[0], axis=1).argmin()]
-        assert np.linalg.norm(found - first) < 2e-4
-        (place,), (seen,) = canvas.places(found)
-        np.testing.assert_allclose(place, (x, y), atol=1e-6)
-        assert seen
-    assert met >= 2
-    canvas.close()
-
-
-def test_clicks_are_rows_from_origin_to_insertion(panel, rows):
-    for point in rows.reshape(-1, 3):
-        (x, y), _ = (found[0] for found in panel.canvas.places(point))
-        assert panel.click(float(x), float(y))
-    assert np.linalg.norm(panel.painting.rows - rows, axis=2).max() < 1e-3
+def test_points_of_a_page_are_rows_from_origin_to_insertion(panel, rows):
+    reply = panel.room.ask({"kind": "paint", "points": rows.reshape(-1, 3).tolist()})
+    assert np.linalg.norm(panel.painting.rows - rows, axis=2).max() < 1e-6
     assert panel.grid.drives == ("flexor_pollicis_brevis",)
-    assert panel.painting.missing == 0
+    assert (reply["good"], reply["rows"], reply["missing"], reply["muscle"]) == (True, 3, 0, True)
+    assert len(json.dumps(reply, allow_nan=False)) < 60_000, "bytes of an answer"
 
 
-def test_a_click_beside_the_hand_says_so_and_changes_nothing(painted):
-    before = painted.painting.points
-    assert painted.click(0.02, 0.02) is False
-    assert "beside the hand" in painted.text()
-    assert painted.painting.points is before
-    assert painted.click(1.5, 0.5) is False
+def test_lines_of_the_grid_lie_on_the_skin_and_pass_through_every_point(hand, painted, rows):
+    told = painted.room.told()
+    lines = [np.reshape(line, (-1, 3)) / 1e3 for line in told["lines"]]
+    assert len(lines) == 5 + 2, "five rows once each is divided by two, two columns"
+    place = on_skin(hand, np.concatenate(lines))
+    assert np.linalg.norm(place - np.concatenate(lines), axis=1).max() < 2e-5
+    ends = np.concatenate([line[[0, -1]] for line in lines])
+    for corner in (rows[0, 0], rows[0, 1], rows[-1, 0], rows[-1, 1]):
+        assert np.linalg.norm(ends - corner, axis=1).min() < 3e-5
+    outward = np.concatenate([np.reshape(way, (-1, 3)) for way in told["outward"]])
+    np.testing.assert_allclose(np.linalg.norm(outward, axis=1), 1.0, atol=0.15)
+    assert (outward[:, 1] > 0.0).mean() > 0.9, "this muscle is painted on the palm"
 
 
-def test_going_nearer_keeps_the_place_under_the_mouse_and_stops_in_time(hand, rows):
-    canvas, thumb = PaintPicture(hand), rows[1, 0]
-    (x, y), (there, _) = canvas.places(thumb)[0][0], canvas.places(hand.bones["metacarpal_5"].points[:2])[0]
-    canvas.zoom(1.7, x, y)
-    assert np.linalg.norm(canvas.pick(x, y) - thumb) < 3e-3, "exact in the plane of the middle, near it elsewhere"
-    after = canvas.places(hand.bones["metacarpal_5"].points[:1])[0][0]
-    assert np.linalg.norm(after - (x, y)) == pytest.approx(1.7 * np.linalg.norm(there - (x, y)), rel=0.1)
-    for _ in range(50):
-        canvas.zoom(2.0)
-    assert canvas.camera.distance == pytest.approx(0.15)
-    with pytest.raises(ValueError, match="positive"):
-        canvas.zoom(0.0)
-
-
-def test_points_on_the_far_side_are_told_apart(hand, rows):
-    canvas = PaintPicture(hand)
-    assert canvas.places(rows[1])[1].all()
-    canvas.look(view="back")
-    assert not canvas.places(rows[1])[1].any()
+def test_the_surface_travels_once_for_a_fit_and_its_segments_with_every_contraction(painted):
+    first = painted.room.ask({"kind": "paint"})
+    again = painted.room.ask({"kind": "paint", "have": first["fit"], "contraction": 1.0})
+    assert "layers" in first
+    assert "layers" not in again
+    assert again["fit"] == first["fit"]
+    before, after = (np.frombuffer(base64.b64decode(told["segments"]), dtype="<i2").reshape(-1, 10).astype(int) for told in (first, again))
+    middle = slice(len(before) // 4, -len(before) // 4)
+    assert np.all(after[:, 7].sum() < before[:, 7].sum()), "shorter along the fibres"
+    assert after[middle, 9].mean() > 1.03 * before[middle, 9].mean(), "and thicker"
+    assert painted.room.ask({"kind": "paint", "have": first["fit"], "settings": {"finer": 3}})["fit"] > first["fit"]
 
 
 # What comes of it.
@@ -134,14 +98,16 @@ def test_points_on_the_far_side_are_told_apart(hand, rows):
 def test_a_muscle_appears_in_under_a_second_with_its_grid_in_blue_and_its_points_in_green(hand, rows):
     panel = PaintPanel(hand, "painted", "FPB", columns=2, skin="mesh")
     panel.add(rows)
-    panel.picture()  # the canvas, and the compiled parts
-    empty = PaintPanel(hand, "nothing", "FPB", skin="mesh").picture()
-    panel.painting.move(2, panel.painting.points[2] + [0.001, 0, 0])
+    warm_up(hand)
+    moved = rows.reshape(-1, 3).copy()
+    moved[2] += [0.001, 0.0, 0.0]
     begin, used = time.perf_counter(), time.process_time()
-    panel.painting.move(2, panel.painting.points[2] - [0.001, 0, 0])
+    reply = panel.room.ask({"kind": "paint", "points": on_skin(hand, moved).tolist()})
+    print(f"fit and reply: {time.perf_counter() - begin:.3f} s of the clock")
+    assert time.process_time() - used < 0.5
+    assert reply["muscle"]
+    empty = PaintPanel(hand, "nothing", "FPB", skin="mesh").picture()
     picture = panel.picture()
-    print(f"fit and picture: {time.perf_counter() - begin:.2f} s of the clock")
-    assert time.process_time() - used < 1.0
     lines, dots = blue_and_green(picture)
     assert lines > 300
     assert dots > 150
@@ -243,10 +209,10 @@ def test_it_follows_the_bones_that_it_rides_on(hand, painted):
     ],
 )
 def test_a_bad_setting_is_refused_with_its_name_and_nothing_changes(painted, change, kind, word):
-    before = (painted.painting.settings, painted.painting.result, painted.contraction, painted.canvas.skin)
+    before = (painted.painting.settings, painted.painting.result, painted.room.contraction, painted.room.skin)
     with pytest.raises(kind, match=word):
         painted.set(**change)
-    assert (painted.painting.settings, painted.painting.result, painted.contraction, painted.canvas.skin) == before
+    assert (painted.painting.settings, painted.painting.result, painted.room.contraction, painted.room.skin) == before
 
 
 def test_a_grid_of_two_points_is_no_muscle_yet(panel, rows):
@@ -337,106 +303,156 @@ def test_undo_takes_back_one_change_at_a_time_and_clear_can_be_undone(painted, r
     assert len(painted.painting.points) == 0
 
 
-@pytest.fixture
-def page(panel):
-    pytest.importorskip("anywidget")
-    sent = []
-    panel.canvas_widget.send = lambda content, buffers: sent.append((content, len(buffers[0])))
-    assert panel.widget
-    sent.clear()
-    return sent
+def test_a_dragged_point_is_one_change_and_what_a_page_takes_back_is_taken_back(painted, rows):
+    send = lambda points, **how: painted.room.ask({"kind": "paint", "points": points.tolist(), **how})  # noqa: E731
+    start = painted.painting.points.copy()
+    for k in range(1, 6):
+        moved = start.copy()
+        moved[0] += [2e-4 * k, 0.0, 0.0]
+        send(on_skin(painted.hand, moved), passing=k < 5)
+    painted.undo()
+    np.testing.assert_array_equal(painted.painting.points, start)
+    send(on_skin(painted.hand, moved))
+    send(start, back=True)
+    painted.undo()
+    assert len(painted.painting.points) == 0, "the drag is gone; the next thing to take back is the grid itself"
 
 
-def click_of(panel, point, **more):
-    (x, y), _ = (found[0] for found in panel.canvas.places(point))
-    return {"kind": "click", "x": float(x), "y": float(y), "page": "p", **more}
+class Page:
+    """A page of a panel without a browser: ``told`` is what code changed."""
+
+    def __init__(self, panel):
+        pytest.importorskip("anywidget")
+        self.panel, self.got, self.count = panel, [], 0
+        panel.page.widget.send = lambda content, buffers=None: self.got.append(content)
+
+    def send(self, **message):
+        self.count += 1
+        self.panel.page.hear(None, {"page": "p", "id": self.count, "of": 1, "message": message}, [])
+        return self.count
 
 
-def test_clicks_of_other_threads_while_the_kernel_is_busy_are_all_heeded_in_order_and_drawn_once(hand, rows):
-    pytest.importorskip("anywidget")
+def test_messages_of_other_threads_while_the_kernel_is_busy_are_all_heeded_in_order(hand, rows):
     flat = rows.reshape(-1, 3)
 
     async def session():
-        panel, sent = PaintPanel(hand, "painted", "FPB", columns=2), []
-        panel.canvas_widget.send = lambda content, buffers: sent.append(content)
-        assert panel.widget
-        sent.clear()
-        messages = [click_of(panel, point, n=k + 1) for k, point in enumerate(flat)]
-        other = threading.Thread(target=lambda: [panel._hear(None, message, []) for message in messages])
+        panel = PaintPanel(hand, "painted", "FPB", columns=2)
+        page = Page(panel)
+        send = lambda: [page.send(kind="paint", points=flat[: k + 1].tolist()) for k in range(6)]  # noqa: E731
+        other = threading.Thread(target=send)
         other.start()
-        time.sleep(0.3)  # the kernel is busy with a cell
+        time.sleep(0.2)  # the kernel is busy with a cell
         other.join()
         assert len(panel.painting.points) == 0
         await asyncio.sleep(0.1)
-        return panel, sent
+        return panel, page
 
-    panel, sent = asyncio.run(session())
-    assert np.linalg.norm(panel.painting.points - flat, axis=1).max() < 1e-3
-    assert len(sent) == 1
-    assert sent[0]["answered"] == {"p": 6}
-    panel.canvas.close()
-
-
-def test_a_click_that_arrives_twice_counts_once(panel, page, rows):
-    message = click_of(panel, rows[0, 0], n=1)
-    panel._hear(None, message, [])
-    panel._hear(None, message, [])
-    assert len(panel.painting.points) == 1
+    panel, page = asyncio.run(session())
+    assert np.linalg.norm(panel.painting.points - flat, axis=1).max() < 1e-6
+    assert [one["id"] for one in page.got] == [1, 2, 3, 4, 5, 6]
+    assert page.got[-1]["reply"]["muscle"]
 
 
-def test_the_controls_do_what_set_does_and_a_wrong_value_is_told_and_put_back(panel, page, rows):
-    panel.add(rows)
-    named = panel._controls.named
-    named["finer"].value = 3
-    assert panel.painting.settings.finer == 3
-    assert panel.grid.triangle.shape == (7, 2)
-    named["name"].value = "no name!"
-    assert panel.painting.settings.name == "painted"
-    assert named["name"].value == "painted"
-    assert "letters" in panel._controls.readout.value
-    assert len(panel._controls.bones.children) == 3
-    panel._controls.bones.children[0].value = "trapezoid"
-    assert panel.painting.carriers[0] == {"trapezoid": 1.0}
-    panel.set(thickness_mm=(1, 20))
-    assert named["thickness_mm"].value == (1, 20)
-    assert page[-1][1] < 60_000, "bytes of a picture"
+def test_what_code_changes_shows_in_the_page(painted):
+    page = Page(painted)
+    painted.set(finer=3, view="back")
+    (told,) = (one["told"] for one in page.got if one.get("kind") == "changed")
+    assert told["settings"]["finer"] == 3
+    assert told["view"] == "back"
+    assert np.shape(told["points"]) == (6, 3)
 
 
-def test_the_controls_show_the_skin_distance_of_every_row(panel, page):
-    """As in lesson 8: three rows, three distances; one for all is the slider's."""
-    slider, each = (panel._controls.named[name] for name in ("skin_distance_mm", "rows_mm"))
-    assert (slider.layout.display, each.layout.display) == (None, "none")
-    panel.set(skin_distance_mm=(6, 3, 2))
-    assert (slider.layout.display, each.layout.display, each.value) == ("none", None, "6, 3, 2")
-    each.value = "5 3, 2.5"
-    assert panel.painting.settings.skin_distance_mm == (5, 3, 2.5)
-    for wrong in ("five", "", "5, 900"):
-        each.value = wrong
-        assert panel.painting.settings.skin_distance_mm == (5, 3, 2.5)
-        assert "distance" in panel.said
-        assert each.value == "5, 3, 2.5"
-    each.value = "20"
-    assert (slider.layout.display, slider.value, each.layout.display) == (None, 20, "none")
+BAD = {
+    "thickness_mm": ([0, 6], "0 < least"),
+    "skin_distance_mm": ([2, None], "skin distance"),
+    "bones": (["trapezum", None, None], "trapezium"),
+    "drive": ("FPQ", "flexor_pollicis_brevis"),
+    "columns": (1, "2 to 8"),
+    "finer": (0, "1 .as painted. to 6"),
+    "name": ("no name!", "letters"),
+    "on_bone": (None, "."),
+    "thicknes": (3, "thickness_mm"),
+}
 
 
-def test_the_save_button_writes_and_says_where(panel, page, rows, tmp_path):
-    panel._save_into(str(tmp_path))
-    assert "no muscle yet" in panel._controls.readout.value
+def test_of_many_settings_the_wrong_ones_are_told_by_name_the_right_ones_count_and_no_point_is_lost(painted, rows):
+    for name, (value, word) in BAD.items():
+        reply = painted.room.ask(
+            {"kind": "paint", "points": rows.reshape(-1, 3)[:4].tolist(), "settings": {name: value, "finer": 3} | {name: value}}
+        )
+        assert reply["good"], name
+        assert list(reply["troubles"]) == [name]
+        assert re.search(word, reply["troubles"][name], re.IGNORECASE), reply["troubles"]
+        assert "Traceback" not in reply["troubles"][name]
+        assert len(painted.painting.points) == 4
+        assert name == "finer" or painted.painting.settings.finer == 3
+        painted.undo()
+        painted.set(finer=2)
+    for empty in ([], [None, 6], None):  # fields that were emptied
+        assert "two numbers" in painted.room.ask({"kind": "paint", "settings": {"thickness_mm": empty}})["troubles"]["thickness_mm"]
+
+
+def test_points_that_make_no_grid_are_told_in_plain_words_and_the_last_ones_stay(hand, painted, rows):
+    cases = {
+        "off the skin": (rows + np.array([0.0, 0.05, 0.0])).reshape(-1, 3).tolist(),
+        "finite": [[None, 0, 0]],
+        "at most": [[0.0, 0.0, 0.0]] * 900,
+        "convert": "all of them",
+    }
+    for word, points in cases.items():
+        reply = painted.room.ask({"kind": "paint", "points": points})
+        assert not reply["good"]
+        assert word in reply["text"], reply["text"]
+        assert len(painted.painting.points) == 6
+    for message in ({"kind": "clack"}, {}, [], None, {"kind": "paint", "have": "x"}):
+        assert painted.room.ask(message)["good"] is False
+    assert painted.room.ask({"kind": "paint", "contraction": 7})["troubles"]["contraction"]
+    crossed = painted.room.ask({"kind": "paint", "points": [*rows[1].tolist(), *rows[0].tolist(), *rows[2].tolist()]})
+    assert crossed["good"]
+    assert "crosses itself" in crossed["problem"]
+    assert crossed["lines"]
+    for kind in ("save", "use"):
+        assert "crosses itself" in painted.room.ask({"kind": kind})["text"]
+
+
+def test_the_save_button_writes_and_says_where(panel, rows, tmp_path):
+    ask = lambda one: one.room.ask({"kind": "save", "folder": str(tmp_path)})  # noqa: E731
+    assert "4 more clicks" in ask(panel)["text"]
     panel.add(rows)
     for _ in range(2):  # its own file may be written again
-        panel._save_into(str(tmp_path))
-        assert "Saved as" in panel._controls.readout.value
+        assert "Saved as" in ask(panel)["said"]
     other = PaintPanel(panel.hand, "painted", "FPB", columns=2)
     other.add(rows)
-    other._save_into(str(tmp_path))
-    assert "exists" in other.said
+    assert "exists" in ask(other)["text"]
+    assert load_grids(tmp_path)[0].name == "painted"
 
 
-def test_a_message_that_makes_no_sense_is_told(panel, page):
-    for message in ({"kind": "clack"}, {"kind": "click"}, {"kind": "zoom", "by": -1}, {"kind": "move", "mark": 3, "x": 0.5, "y": 0.5}):
-        panel._hear(None, {"page": "p", **message}, [])
-        assert panel.said, message
-    panel._hear(None, "nonsense", [])
+def test_without_a_folder_the_page_gets_the_file_that_handlab_reads(hand, painted, tmp_path):
+    reply = PaintRoom(painted.painting).ask({"kind": "save"})
+    file = tmp_path / reply["file"]["name"]
+    file.write_text(reply["file"]["text"])
+    np.testing.assert_array_equal(load_grid(file).triangle, painted.grid.triangle)
+    assert "no live hand" in PaintRoom(painted.painting).ask({"kind": "use"})["text"]
+
+
+def test_use_it_shows_a_live_hand_that_has_the_muscle_below_the_page(hand, painted):
+    pytest.importorskip("anywidget")
+    reply = painted.room.ask({"kind": "use"})
+    assert "FPB" in reply["said"]
+    assert [grid.name for grid in painted.live.session.hand.grids][-1] == "painted"
+    assert painted.widget.children == (painted.page.widget, painted.live.widget)
+
+
+def test_a_live_hand_goes_on_with_the_painted_muscle_below_its_soft_skin(hand, painted):
+    session = Session(hand, wear=SOFT)
+    session.prepare()
+    before = session.wardrobe.network
+    session.paint(with_painted(hand, painted.grid), painted.grid)
+    assert before is not None
+    assert session.wardrobe.network is None, "the skin of the hand without it is no longer worn"
+    session.prepare()
+    assert session.wardrobe.network.muscles.names[-1] == "painted"
+    assert any("FPB makes it swell" in reply.get("text", "") for reply in session.replies())
 
 
 def test_a_left_hand_can_be_painted_too(rows):

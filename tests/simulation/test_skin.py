@@ -160,3 +160,37 @@ def test_an_unknown_method_and_a_skin_of_another_hand_are_refused(hand):
         blend(hand, hand.bind, method="magic")
     with pytest.raises(ValueError, match="even skin"):
         fine_points(hand, np.zeros((7, 3)))
+
+
+def off_the_cylinder(edge, radius=0.01):
+    """How far the middle and a third of an edge around a cylinder are from it: as flat, and with what normals say."""
+    turn = edge / radius
+    around = np.array([[radius * np.cos(a), radius * np.sin(a), 0.0] for a in (0.0, turn)])
+    points = frozen(np.concatenate([around, [[radius, 0.0, edge]]]))
+    normal = points * [1.0, 1.0, 0.0] / radius
+    share = frozen([[0.5, 0.5, 0.0], [1 / 3, 2 / 3, 0.0]])
+    corners, sag = np.array([[0, 1, 2], [0, 1, 2]], np.uint32), np.empty(2)
+    skin_kernel.sagitta(points, normal, corners, share, sag)
+    between = share @ normal
+    flat = share @ points
+    return [np.abs(np.linalg.norm((flat + s[:, None] * between)[:, :2], axis=1) - radius) for s in (np.zeros(2), sag)]
+
+
+def test_between_its_points_the_skin_is_as_round_as_its_normals_say():
+    (flat, curved), (flat_half, curved_half) = off_the_cylinder(0.005), off_the_cylinder(0.0025)
+    np.testing.assert_allclose(flat[0], 0.01 * (1 - np.cos(0.25)), rtol=1e-9)
+    assert np.all(curved < 0.1 * flat)
+    np.testing.assert_allclose(np.log2(flat / flat_half), 2.0, atol=0.1)
+    np.testing.assert_allclose(np.log2(curved / curved_half), 4.0, atol=0.1)
+
+
+def test_on_a_knuckle_the_fine_skin_bends_with_the_even_one_and_at_rest_it_is_where_it_was(hand):
+    assert np.abs(fine_points(hand, hand.skin.points) - hand.skin_fine.points).max() < 1e-6
+    bound, fine = binding(hand), hand.skin_fine
+    bent = pose(hand, {f"pip{k}.flexion_extension": np.pi / 2 for k in range(2, 6)}).skin
+    corner = bound.corners.astype(int)
+    flat = np.einsum("ni,nid->nd", fine.barycentric, bent[corner] + fine.height[:, None, None] * normals(hand, bent)[corner])
+    moved = np.linalg.norm(fine_points(hand, bent) - flat, axis=1)
+    assert 0.0003 < moved.max() < 0.0015
+    far = np.all(hand.skin.weights[corner, hand.body_names.index("forearm")] > 0.99, axis=1)
+    assert far.sum() > 50 and moved[far].max() < 5e-5

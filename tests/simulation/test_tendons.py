@@ -1,13 +1,17 @@
 """Tendons as tubes: whose they are, where they run, that they follow the bones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.ndimage import minimum_filter
 
 import handlab as hl
 from handlab.physics.distance import closest, winding
 from handlab.simulation.kinematics import posed_bone, relative_transforms
 from handlab.simulation.skin import blend
-from handlab.simulation.tendons import courses, tendons
+from handlab.simulation.tendon_balls import MARGIN, none
+from handlab.simulation.tendons import ENDING, courses, laid, tendons
 
 
 @pytest.fixture(scope="module")
@@ -33,19 +37,41 @@ def test_a_tendon_has_as_many_points_in_every_pose(hand, fist):
 
 
 @pytest.mark.parametrize("posture", ["bind", "fist"])
-def test_tendons_run_below_the_skin_and_above_the_bones(hand, fist, posture):
-    """But for their ends, which go into bone; a tube may graze a bone where it turns."""
+def test_tendons_run_below_the_skin(hand, fist, posture):
     angle = hand.bind if posture == "bind" else fist
     skin = np.ascontiguousarray(blend(hand, angle)[hand.skin.faces])
-    bones = np.ascontiguousarray(np.concatenate([posed_bone(hand, name, angle)[bone.faces] for name, bone in hand.bones.items()]))
     for tube in tendons(hand, angle):
         points = np.ascontiguousarray(tube.points[2:-5])
         outside = points[winding(points, skin) < 0.5]
         assert len(outside) == 0 or closest(np.ascontiguousarray(outside), skin)[0].max() < 1.5e-3, tube.name
-        inside = winding(points, bones) > 0.5
-        assert inside.mean() < 0.13, tube.name
-        deep = closest(np.ascontiguousarray(points[inside]), bones)[0].max() if inside.any() else 0.0
-        assert deep < 2.5e-3, tube.name
+
+
+def above_bone(hand, angle, points):
+    """How far points are from bone by its triangles, less than nothing inside."""
+    bones = np.ascontiguousarray(np.concatenate([posed_bone(hand, name, angle)[bone.faces] for name, bone in hand.bones.items()]))
+    return np.where(winding(points, bones) > 0.5, -1.0, 1.0) * closest(points, bones)[0]
+
+
+@pytest.mark.parametrize(("clip", "share"), [("fist", 1.0), ("opposition-little", 1.0), ("wave", 0.55), ("thumbs-up", 1.0), ("spread", 1.0)])
+def test_a_tendon_keeps_its_own_radius_outside_bone_and_is_lifted_no_further_than_that(hand, clip, share):
+    """But for its end, which goes into bone; beside it and in the grooves of the wrist a tube may graze bone."""
+    played = hl.simulate(hand, hl.keyframes(clip), fps=10)
+    angle = played.angle[round(share * (len(played.time) - 1))]
+    moved = relative_transforms(hand, angle)
+    tight, freed = [], []
+    for course, tube in zip(courses(hand), tendons(hand, angle), strict=True):
+        bare = laid(replace(course, balls=none()), moved)
+        rows = slice(0, len(bare) - ENDING)
+        before, after = (above_bone(hand, angle, np.ascontiguousarray(line[rows])) - course.radius for line in (bare, tube.points))
+        assert after.min() > -0.8e-3 and after.min() + course.radius > 0.4e-3, course.name
+        assert np.mean(after < -0.25e-3) < 0.06, course.name
+        far = np.linalg.norm(tube.points - bare, axis=1)[rows]
+        free = minimum_filter(before, size=9) > MARGIN  # nothing near, nor beside it
+        freed.append(far[free])
+        tight.append(after[far > 0.5e-3])
+        assert far.max() < 6e-3 and far.max() < 2.5 * np.maximum(-before, 0.0).max() + 1.5e-3, course.name
+    assert np.concatenate(freed).max() < 1e-4
+    assert np.concatenate(tight).min() < 2e-4 and np.median(np.concatenate(tight)) < 0.8e-3
 
 
 def test_via_points_ride_on_their_bodies(hand, fist):
@@ -97,4 +123,5 @@ def test_the_deep_flexor_reaches_the_last_phalanx_and_the_superficial_one_the_mi
 def test_the_left_hand_has_mirrored_tendons(hand):
     left = hl.load_hand(side="left")
     for one, other in zip(tendons(hand, hand.bind), tendons(left, left.bind), strict=True):
-        np.testing.assert_allclose(other.points * [1.0, 1.0, -1.0], one.points, atol=1e-9)
+        # the grid in which bone is looked for is not mirrored
+        np.testing.assert_allclose(other.points * [1.0, 1.0, -1.0], one.points, atol=2e-4)

@@ -18,6 +18,8 @@ from wslink.websocket import LinkProtocol
 from handlab.show.outfits import BLEND
 
 if TYPE_CHECKING:
+    from handlab.anatomy.grids import MuscleGrid
+    from handlab.anatomy.records import Hand
     from handlab.show.app.guard import Guard
     from handlab.show.session import Session, Wish
 
@@ -100,6 +102,14 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
         self._credit.clear()
         self._behind.clear()
         self.tell({"kind": "hand"})
+
+    def paint(self, hand: Hand, grid: MuscleGrid) -> None:
+        """The hand goes on with a painted muscle, in every page."""
+        assert self.session is not None
+        self.session.paint(hand, grid)
+        self._pass_on()
+        self._dress()
+        self._wake.set()
 
     def tell(self, reply: dict[str, Any], page: str | None = None) -> None:
         """A reply to one page, or to all."""

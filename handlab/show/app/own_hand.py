@@ -7,7 +7,7 @@ import json
 import re
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from handlab.show.outfits import SOFT
 
@@ -56,18 +56,11 @@ class OwnHands:
         """A message of a page, as JSON; or a photograph, as it is, with its name in the address."""
         from aiohttp import web
 
-        word = request.match_info["word"]
-        if not WORD.fullmatch(word):
-            raise web.HTTPNotFound
-        picture = request.content_type == "application/octet-stream"
-        body = await received(request, MOST_BYTES if picture else MOST_WORDS)
-        if picture:
-            message, data = {"kind": "picture", "name": request.query.get("name", "")}, body
+        word = word_of(request)
+        if request.content_type == "application/octet-stream":
+            message, data = {"kind": "picture", "name": request.query.get("name", "")}, await received(request, MOST_BYTES)
         else:
-            try:
-                message, data = json.loads(body), None
-            except (ValueError, RecursionError):
-                raise web.HTTPBadRequest(text="handlab: this is no message.\n") from None
+            message, data = await said(request), None
         if isinstance(message, dict) and message.get("kind") == "reference":
             await self.app.change(await asyncio.to_thread(self.app.load))
             reply = {"good": True}
@@ -84,6 +77,26 @@ class OwnHands:
         session.scene()  # what takes time is kept with the hand
         asyncio.run_coroutine_threadsafe(self.app.change(session), self._loop).result()
         return "the hand is live"
+
+
+def word_of(request: Request) -> str:
+    """The word of a tab in the address."""
+    from aiohttp import web
+
+    word = request.match_info["word"]
+    if not WORD.fullmatch(word):
+        raise web.HTTPNotFound
+    return word
+
+
+async def said(request: Request) -> Any:
+    """A message as JSON."""
+    from aiohttp import web
+
+    try:
+        return json.loads(await received(request, MOST_WORDS))
+    except (ValueError, RecursionError):
+        raise web.HTTPBadRequest(text="handlab: this is no message.\n") from None
 
 
 async def received(request: Request, most: int) -> bytes:

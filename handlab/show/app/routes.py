@@ -94,6 +94,7 @@ def routes(app: App) -> list[RouteDef]:
         web.get("/handlab/data/scene", scene),
         web.get("/handlab/data/file/{word}", file),
         web.post("/handlab/data/fit/{word}", app.own_hands.ask),
+        web.post("/handlab/data/paint/{word}", app.paint_rooms.ask),
     ]
 
 

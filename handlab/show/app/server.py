@@ -14,6 +14,7 @@ from typing import Any
 from handlab.show.app.files import Files
 from handlab.show.app.guard import EVERYWHERE, Guard, warning
 from handlab.show.app.own_hand import OwnHands
+from handlab.show.app.paint_page import PaintRooms
 from handlab.show.app.place import PORT, free_port, open_page, shown_host
 
 STATIC = Path(__file__).parent.parent / "static"
@@ -33,6 +34,7 @@ class App:
         self.guard = Guard(host, key)
         self.files = Files()
         self.own_hands = OwnHands(self)
+        self.paint_rooms = PaintRooms(self)
         self.opens = ""  # what the address says beside the key
         self.live: Any = None
         self.load = load

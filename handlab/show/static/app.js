@@ -20,7 +20,7 @@ function say(sentence, again) {
 }
 
 /** What the viewer talks to: frames are ArrayBuffers, everything else plain objects. */
-function transport(session, secret, own) {
+function transport(session, secret, own, painter) {
   const listeners = new Set();
   const tell = (message) => listeners.forEach((listener) => listener(message));
   const call = (name, args) => session.call(name, args).catch((error) => tell({ kind: "answer", good: false, text: String(error?.message ?? error) }));
@@ -53,6 +53,7 @@ function transport(session, secret, own) {
     },
     send: (message) => call("handlab.message", [message]),
     ownHand: () => own.open(),
+    paintMuscle: () => painter.open(),
     onMessage(callback) {
       listeners.add(callback);
       if (listeners.size === 1) call("handlab.ready", [true]);
@@ -61,27 +62,70 @@ function transport(session, secret, own) {
   };
 }
 
+/** The word of this tab's room on the host. */
+function room(name) {
+  const word = sessionStorage.getItem(name) ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  sessionStorage.setItem(name, word);
+  return word;
+}
+
+/** An element over the whole live hand. */
+function over(id) {
+  const box = document.createElement("div");
+  box.id = id;
+  box.style.cssText = "position:fixed;inset:0;z-index:20;background:#fff";
+  return box;
+}
+
+/** Ask a room of the host: JSON, or bytes with a name; every trouble is a reply too. */
+const asking = (what, secret, word) => async (message, bytes) => {
+  const address = `handlab/data/${what}/${word}${bytes ? `?name=${encodeURIComponent(message.name)}` : ""}`;
+  const headers = { "X-Handlab-Key": secret, "Content-Type": bytes ? "application/octet-stream" : "application/json" };
+  try {
+    const answer = await fetch(address, { method: "POST", headers, body: bytes ?? JSON.stringify(message) });
+    if (answer.ok) return await answer.json();
+    return { good: false, text: (await answer.text()).replace(/^handlab: /, "") || `the host answers ${answer.status}` };
+  } catch {
+    return { good: false, text: "The connection to handlab has ended. Your clicks are kept in this browser: start handlab again and reload this page." };
+  }
+};
+
+/** The page "Paint a muscle" over the live hand; points and settings outlive a reload of the tab. */
+function painter(secret) {
+  const ask = asking("paint", secret, room("handlab-paint-room")), box = over("handlab-paint"), name = "handlab-paint";
+  let page = null;
+  const store = {
+    read() { try { return JSON.parse(sessionStorage.getItem(name) ?? "null"); } catch { return null; } },
+    write(kept) { try { sessionStorage.setItem(name, JSON.stringify(kept)); } catch { /* no room: the page goes on */ } },
+  };
+  const self = {
+    async open() {
+      document.body.append(box);
+      const { paint } = await import("./paint.js");
+      page?.dispose(); // the hand may be another one
+      page = window.handlabPaint = await paint(box, { ask, store, close: self.close, used: self.used });
+    },
+    close() {
+      page?.dispose();
+      page = null;
+      box.remove();
+    },
+    used(short) { // seen at once: its slider in view, the skin clear
+      self.close();
+      window.handlab.set({ muscles: true, skin: "translucent" });
+      document.querySelector(`#handlab-view .hl-row[data-muscle="${short}"]`)?.scrollIntoView({ block: "center" });
+    },
+  };
+  return self;
+}
+
 /** The page "Your own hand" over the live hand; clicks and picture stay in this browser, so that a reload loses nothing. */
 function ownHand(secret) {
   const given = sessionStorage.getItem("handlab-fit"); // the command was given a picture, which waits in this room
-  const room = given ?? sessionStorage.getItem("handlab-room") ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
-  sessionStorage.setItem("handlab-room", room);
-  const box = document.createElement("div");
-  box.id = "handlab-fit";
-  box.style.cssText = "position:fixed;inset:0;z-index:20;background:#fff";
+  const ask = asking("fit", secret, given ?? room("handlab-room"));
+  if (given) sessionStorage.setItem("handlab-room", given);
+  const box = over("handlab-fit");
   let page = null;
-
-  async function ask(message, bytes) {
-    const address = `handlab/data/fit/${room}${bytes ? `?name=${encodeURIComponent(message.name)}` : ""}`;
-    const headers = { "X-Handlab-Key": secret, "Content-Type": bytes ? "application/octet-stream" : "application/json" };
-    try {
-      const answer = await fetch(address, { method: "POST", headers, body: bytes ?? JSON.stringify(message) });
-      if (answer.ok) return await answer.json();
-      return { good: false, text: (await answer.text()).replace(/^handlab: /, "") || `the host answers ${answer.status}` };
-    } catch {
-      return { good: false, text: "The connection to handlab has ended. Your clicks are kept in this browser: start handlab again and reload this page." };
-    }
-  }
 
   const own = {
     async open() {
@@ -135,7 +179,7 @@ document.body.append(element);
 const client = window.trame.client;
 client.onConnectionClose(() => say("The connection to handlab has ended.", () => location.reload()));
 const secret = sessionStorage.getItem("handlab-key") ?? "";
-const host = transport(client.getConnection().getSession(), secret, ownHand(secret));
+const host = transport(client.getConnection().getSession(), secret, ownHand(secret), painter(secret));
 
 /** Show the hand; again, when the host has another one. */
 async function show() {

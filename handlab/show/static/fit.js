@@ -102,6 +102,7 @@ class Page {
     stage.addEventListener("pointerup", (event) => this.up(event));
     stage.addEventListener("pointercancel", (event) => { this.fingers.delete(event.pointerId); this.drag = null; this.paint(); });
     stage.addEventListener("contextmenu", (event) => event.preventDefault());
+    stage.addEventListener("touchend", (event) => { if (event.cancelable && !event.target.closest(".hf-zoom")) event.preventDefault(); }, { passive: false }); // the mouse that browsers play after a tap takes the focus away
     stage.addEventListener("wheel", (event) => { if (!this.picture) return; event.preventDefault(); this.zoom(Math.exp(-0.0016 * Math.max(-240, Math.min(240, event.deltaY))), this.at(event)); }, { passive: false });
     root.addEventListener("keydown", (event) => this.key(event));
     this.sizes = new ResizeObserver(() => this.resized());

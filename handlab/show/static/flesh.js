@@ -131,7 +131,50 @@ export class Flesh {
       for (let r = 3; r < line.length - 3; r++) line[r] = 0.5 * old[r] + 0.25 * old[r - 3] + 0.25 * old[r + 3];
     }
     layOver();
+    this.liftTendon(t, M, via, line);
     this.tube(t, line);
+  }
+
+  // Out of the bone, as `tendon_kernel.lifted` does it.
+  liftTendon(t, M, via, line) {
+    const A = this.layers.arrays, up = new Float64Array(line.length), way = new Float64Array(3), centre = new Float64Array(3 * t.balls);
+    for (let v = 0; v < t.vias; v++) {
+      const m = 12 * A.via_body[t.via + v], u = 3 * (t.via + v);
+      for (let x = 0; x < 3; x++) way[x] = M[m + 4 * x] * A.via_up[u] + M[m + 4 * x + 1] * A.via_up[u + 1] + M[m + 4 * x + 2] * A.via_up[u + 2];
+      for (let r = 0; r < t.rows; r++) for (let x = 0; x < 3; x++) up[3 * r + x] += A.spread[t.weight + r * t.vias + v] * way[x];
+    }
+    for (let r = 0; r < up.length; r += 3) {
+      const s = 1 / Math.hypot(up[r], up[r + 1], up[r + 2]);
+      up[r] *= s; up[r + 1] *= s; up[r + 2] *= s;
+    }
+    for (let b = 0; b < t.balls; b++) {
+      const m = 12 * A.ball_body[t.ball + b], c = 3 * (t.ball + b), C = A.ball_centre;
+      for (let x = 0; x < 3; x++) {
+        const k = m + 4 * x;
+        centre[3 * b + x] = this.unit * (M[k] * C[c] + M[k + 1] * C[c + 1] + M[k + 2] * C[c + 2]) + M[k + 3];
+      }
+    }
+    const before = line.slice(), moved = new Float64Array(line.length);
+    const { lifts, sweeps } = this.layers;
+    for (let turn = 0; turn < lifts + sweeps - 1; turn++) {
+      for (let b = 0; b < t.balls; b++) {
+        const reach = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius, c = 3 * b;
+        const last = 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
+        for (let r = 3 * Math.max(A.ball_first[t.ball + b], 1); r <= last; r += 3) {
+          const x = line[r] - centre[c], y = line[r + 1] - centre[c + 1], z = line[r + 2] - centre[c + 2], square = x * x + y * y + z * z;
+          if (square >= reach * reach) continue;
+          let s = 1 / Math.max(Math.sqrt(square), 1e-6);
+          const share = 1 + s * (x * up[r] + y * up[r + 1] + z * up[r + 2]);
+          const p = s * x + share * up[r], q = s * y + share * up[r + 1], w = s * z + share * up[r + 2];
+          s = 1 / Math.sqrt(p * p + q * q + w * w);
+          const along = s * (p * x + q * y + w * z), far = s * (Math.sqrt(along * along + reach * reach - square) - along);
+          line[r] += far * p; line[r + 1] += far * q; line[r + 2] += far * w;
+        }
+      }
+      if (turn >= lifts - 1) continue;
+      for (let r = 0; r < line.length; r++) moved[r] = line[r] - before[r];
+      for (let r = 3; r < line.length - 3; r++) line[r] = before[r] + 0.5 * moved[r] + 0.25 * (moved[r - 3] + moved[r + 3]);
+    }
   }
 
   tube(t, line) {

@@ -207,7 +207,7 @@ const about = (v, axis, angle) => { // Rodrigues
 };
 
 // Nearest hit of a ray with triangles `from`..`to` of `faces`: distance, or Infinity. `hit.face` is set.
-function rayTriangles(points, faces, from, to, o, d, nearest, hit) {
+export function rayTriangles(points, faces, from, to, o, d, nearest, hit) {
   for (let f = from; f < to; f += 3) {
     const i = 3 * faces[f], j = 3 * faces[f + 1], k = 3 * faces[f + 2];
     const ax = points[j] - points[i], ay = points[j + 1] - points[i + 1], az = points[j + 2] - points[i + 2];
@@ -365,9 +365,14 @@ export class Hand3D {
   fineInto(P, N, out) {
     const A = this.scene.arrays;
     for (let v = 0; v < A.fine_triangle.length; v++) {
-      const t = 3 * A.fine_triangle[v], h = A.fine_height[v] + this.raised[v];
-      const i = 3 * A.skin_faces[t], j = 3 * A.skin_faces[t + 1], k = 3 * A.skin_faces[t + 2];
+      const t = 3 * A.fine_triangle[v], i = 3 * A.skin_faces[t], j = 3 * A.skin_faces[t + 1], k = 3 * A.skin_faces[t + 2];
       const a = A.fine_barycentric[2 * v], b = A.fine_barycentric[2 * v + 1], c = 1 - a - b;
+      let sag = 0; // how far the even skin, as curved as its normals say, rises over its triangle (`skin_kernel.sagitta`)
+      for (let x = 0; x < 3; x++) {
+        const p = a * P[i + x] + b * P[j + x] + c * P[k + x];
+        sag -= 0.5 * (a * (p - P[i + x]) * N[i + x] + b * (p - P[j + x]) * N[j + x] + c * (p - P[k + x]) * N[k + x]);
+      }
+      const h = A.fine_height[v] + this.raised[v] + sag;
       for (let x = 0; x < 3; x++) out[3 * v + x] = a * (P[i + x] + h * N[i + x]) + b * (P[j + x] + h * N[j + x]) + c * (P[k + x] + h * N[k + x]);
     }
   }

@@ -198,6 +198,7 @@ class Viewer {
     const given = this.transport.recorded && !this.scene.layers; // a recording without muscles has none to show
     this.lookBar = make("div", { className: "hl-bar top" }, views, make("span", { className: "gap" }), skin, bones, ...(given ? [] : [layer("muscles"), layer("tendons")]));
     if (this.transport.ownHand) this.lookBar.append(button("your own hand ...", () => this.transport.ownHand(), { className: "hl-btn", data: { act: "own-hand" }, title: "make a hand from a photograph" }));
+    if (this.transport.paintMuscle) this.lookBar.append(button("paint a muscle ...", () => this.transport.paintMuscle(), { className: "hl-btn", data: { act: "paint-muscle" }, title: "click a grid on the skin: a muscle of your own" }));
     return this.lookBar;
   }
 
@@ -265,10 +266,10 @@ class Viewer {
       fingers.set(event.pointerId, event);
       this.showLook();
     });
-    const lift = (event) => { if (fingers.delete(event.pointerId) && this.dragged < 4 && event.type === "pointerup") this.pick(event); };
+    const lift = (event) => { if (fingers.delete(event.pointerId) && this.dragged < 4 && event.type === "pointerup") { this.pick(event); if (event.pointerType === "touch") this.hover(event); } };
     canvas.addEventListener("pointerup", lift);
     canvas.addEventListener("pointercancel", lift);
-    canvas.addEventListener("pointerleave", () => this.hideTag());
+    canvas.addEventListener("pointerleave", (event) => { if (event.pointerType !== "touch") this.hideTag(); }); // a finger leaves when it is lifted
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("dblclick", () => hand.fit());
     canvas.addEventListener("wheel", (event) => {

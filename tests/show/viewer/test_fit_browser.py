@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 pytest.importorskip("anywidget")
-from handlab.show.fit_panel import FitPanel, widget_class
+from handlab.show.fit_panel import FitPanel
 from handlab.show.fit_words import ORDER
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "fitting"))  # for people.py and photograph.py
@@ -41,18 +41,18 @@ def opened(chromium, shot, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Image.fromarray(shot.pixels).save(tmp_path / "girl.png")
     panel, told, errors = FitPanel(), [], []
-    panel.front.send = lambda content, buffers=None: told.append(content)
+    panel.page.widget.send = lambda content, buffers=None: told.append(content)
 
     def ask(message, buffers):
         told.clear()
-        panel._hear(None, message, [base64.b64decode(part) for part in buffers])
+        panel.page.hear(None, message, [base64.b64decode(part) for part in buffers])
         return list(told)
 
     page = chromium.new_page(viewport={"width": 1100, "height": 720})
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.expose_function("askHost", ask)
-    module = widget_class()._esm.replace("export default", "const widget =")
-    assert module != widget_class()._esm
+    module = panel.page.widget._esm.replace("export default", "const widget =")
+    assert "const widget =" in module
     page.route("http://fit.test/", lambda route: route.fulfill(body=PAGE % module, content_type="text/html"))
     page.goto("http://fit.test/")
     page.wait_for_selector(".hf-welcome")
@@ -82,7 +82,7 @@ def test_a_picture_dropped_on_the_panel_becomes_panel_hand_by_clicks(opened, sho
         if name == ORDER[12]:  # code and page speak of the same clicks
             page.wait_for_function("!document.getElementById('box').firstChild.fit.sending")
             panel.set(landmarks={ORDER[13]: tuple(shot.marks[ORDER[13]])})
-            page.evaluate("clicks => tell({kind: 'changed', clicks})", panel.clicks.to_json())
+            page.evaluate("told => tell({kind: 'changed', told})", panel.clicks.to_json())
     page.wait_for_selector("[data-act=move]")
     assert panel.hand.side == "right"
     true = people.everyone()["girl"].lengths_mm

@@ -1,155 +1,174 @@
-"""The picture of the paint panel in a real browser: clicks, drags, the wheel and keys, answered by a real panel."""
-
-import base64
+"""The paint panel of a notebook in a real browser: clicks, drags, the wheel and keys, answered by a real panel."""
 
 import numpy as np
 import pytest
 
 pytest.importorskip("anywidget")
-from handlab.show.module import STATIC
+from handlab.anatomy.grids import load_grids
 from handlab.show.paint_panel import PaintPanel
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
-PAGE = """<!DOCTYPE html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:20px"><div id="box"></div>
+PAGE = """<!DOCTYPE html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:0"><div id="box"></div>
 <script type="module">
 %s
 const listeners = new Set();
-const opened = ([message, data]) => [message, [Uint8Array.from(atob(data), (c) => c.charCodeAt(0)).buffer]];
 let busy = null; // answers that a test holds back
 window.hold = () => { busy = []; };
-window.release = () => { const kept = busy; busy = null; kept.forEach((told) => listeners.forEach((f) => f(...opened(told)))); };
+window.release = () => { const kept = busy; busy = null; kept.forEach(window.tell); };
 const model = {
-  get: (name) => ({ width: 560, height: 640 })[name],
-  on: (_, f) => listeners.add(f), off: (_, f) => listeners.delete(f),
-  send: (message) => window.askHost(message).then((told) => told.forEach((one) => (busy ? busy.push(one)
-    : listeners.forEach((f) => f(...opened(one)))))),
+  get: () => 640, on: (_, f) => listeners.add(f), off: (_, f) => listeners.delete(f),
+  send: (message) => window.askHost(message).then((all) => all.forEach((one) => (busy ? busy.push(one) : window.tell(one)))),
 };
-render({ model, el: document.getElementById("box") });
+window.tell = (told) => listeners.forEach((f) => f(told));
+widget.render({ model, el: document.getElementById("box") });
 </script>"""
 
 
-class Host:
-    """A panel behind a page: what the page sends goes to the panel, what the panel sends goes back."""
+class User:
+    """Someone at the page of ``panel``."""
 
-    def __init__(self, hand):
-        self.panel = PaintPanel(hand, "painted", "FPB", columns=2, finer=2)
-        self.heard, self.told = [], []
-        self.panel.canvas_widget.send = lambda content, buffers: self.told.append((content, base64.b64encode(buffers[0]).decode()))
-        self.panel._refresh = self.panel._send
+    def __init__(self, page, panel):
+        self.page, self.panel = page, panel
+        self.ask = lambda expression, *given: page.evaluate(f"(given) => document.querySelector('#box > div').paint.{expression}", *given)
 
-    def ask(self, message):
-        self.heard.append(message)
-        self.told.clear()
-        self.panel._hear(None, message, [])
-        return list(self.told)
+    def place(self, point):
+        """Where a point of the skin is on the page."""
+        box = self.page.locator(".hp-stage").bounding_box()
+        x, y = self.ask("onScreen(given)", list(map(float, point)))
+        return box["x"] + x, box["y"] + y
+
+    def click(self, points):
+        for point in np.reshape(points, (-1, 3)):
+            self.page.mouse.click(*self.place(point))
+
+    def settled(self, condition="true"):
+        self.page.wait_for_function(
+            f"() => {{ const p = document.querySelector('#box > div').paint; return !p.sending && ({condition}); }}"
+        )
+
+    def drag(self, start, end, steps=6):
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        self.page.mouse.move(*end, steps=steps)
+        self.page.mouse.up()
+        self.settled()
 
 
 @pytest.fixture
-def opened(chromium, hand):
-    host, errors = Host(hand), []
-    page = chromium.new_page(viewport={"width": 700, "height": 720})
+def user(chromium, hand):
+    panel, told, errors = PaintPanel(hand, "painted", "FPB", columns=2), [], []
+    panel.page.widget.send = lambda content, buffers=None: told.append(content)
+
+    def ask(message):
+        told.clear()
+        panel.page.hear(None, message, [])
+        return list(told)
+
+    page = chromium.new_page(viewport={"width": 1100, "height": 700})
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.expose_function("askHost", host.ask)
-    page.route("http://paint.test/", lambda route: route.fulfill(body=PAGE % (STATIC / "paint.js").read_text(), content_type="text/html"))
+    page.expose_function("askHost", ask)
+    module = panel.page.widget._esm.replace("export default", "const widget =")
+    page.route("http://paint.test/", lambda route: route.fulfill(body=PAGE % module, content_type="text/html"))
     page.goto("http://paint.test/")
-    page.wait_for_function("document.querySelector('img')?.naturalWidth > 0")
-    yield page, host
+    page.wait_for_function("document.querySelector('#box > div')?.paint?.hand.drawn > 0")
+    made = User(page, panel)
+    made.told = told
+    yield made
     page.close()
     assert not errors
 
 
-def place(page, host, point):
-    """Where a point of the skin is on the page."""
-    box = page.locator(".hl-paint").bounding_box()
-    (x, y), seen = (found[0] for found in host.panel.canvas.places(point))
-    assert seen
-    return box["x"] + x * box["width"], box["y"] + y * box["height"]
-
-
-def thenar(hand):
-    from handlab.anatomy.grids import load_grids
-
+@pytest.fixture(scope="module")
+def wanted(hand):
     grid = next(grid for grid in load_grids() if grid.name == "flexor_pollicis_brevis")
     return grid.points_on(hand.skin, hand.skin.points, hand.side)[1::2][:, ::2].reshape(-1, 3)
 
 
-def test_clicks_become_points_where_they_were_made_and_the_muscle_appears(opened, hand):
-    page, host = opened
-    wanted = thenar(hand)
-    for point in wanted:
-        page.mouse.click(*place(page, host, point))
-    page.wait_for_function("document.querySelectorAll('circle').length === 6 && document.querySelectorAll('text').length === 3")
-    assert np.linalg.norm(host.panel.painting.points - wanted, axis=1).max() < 1.5e-3
-    assert host.panel.problem is None
-    assert host.panel.painting.result is not None
+def off(user, wanted):
+    return np.linalg.norm(user.panel.painting.points - wanted, axis=1).max()
 
 
-def test_no_click_of_a_fast_hand_is_lost_while_the_kernel_is_busy(opened, hand):
-    page, host = opened
-    wanted = thenar(hand)
-    page.evaluate("window.hold()")
-    for point in wanted:
-        page.mouse.click(*place(page, host, point))
-    page.wait_for_function("document.querySelectorAll('circle[fill=none]').length === 6")  # shown at once, hollow
-    page.wait_for_timeout(300)
-    assert len(host.panel.painting.points) == 6
-    page.evaluate("window.release()")
-    page.wait_for_function("document.querySelectorAll('text').length === 3")
-    assert np.linalg.norm(host.panel.painting.points - wanted, axis=1).max() < 1.5e-3
+def test_clicks_become_points_where_they_were_made_and_the_muscle_appears(user, wanted):
+    user.click(wanted)
+    user.settled("p.told.muscle")
+    assert off(user, wanted) < 1e-4
+    assert user.panel.grid.triangle.shape == (5, 2)
+    assert user.page.locator("svg circle").count() == 6
+    assert user.page.locator("svg text").all_text_contents() == ["row 1", "row 2", "row 3"]
+    assert user.ask("hand.fleshShown()")[1] > 0
+    assert "fitted in" in user.page.inner_text(".hp-facts")
+    assert "The muscle is there" in user.page.inner_text(".hp-guide")
 
 
-def test_dragging_beside_the_points_turns_the_hand_and_adds_none(opened, hand):
-    page, host = opened
-    page.mouse.click(*place(page, host, thenar(hand)[2]))
-    page.wait_for_function("document.querySelectorAll('circle').length === 1")
-    before, first = host.panel.canvas.camera, host.panel.painting.points.copy()
-    page.mouse.move(60, 60)
-    page.mouse.down()
-    page.mouse.move(120, 90, steps=6)
-    page.mouse.up()
-    page.wait_for_timeout(600)
-    after = host.panel.canvas.camera
-    assert 0.1 < np.arccos(before.to_eye @ after.to_eye) < 0.6
-    np.testing.assert_array_equal(host.panel.painting.points, first)
+def test_no_click_of_a_fast_hand_is_lost_while_the_kernel_is_busy(user, wanted):
+    user.page.evaluate("window.hold()")
+    user.click(wanted)
+    user.page.wait_for_function("document.querySelectorAll('svg circle').length === 6")  # shown at once
+    user.page.wait_for_timeout(300)
+    assert len(user.panel.painting.points) == 1, "one message is on its way"
+    user.page.evaluate("window.release()")
+    user.settled("p.told.muscle")
+    assert off(user, wanted) < 1e-4
 
 
-def test_a_point_can_be_dragged_and_undone_with_a_key(opened, hand):
-    page, host = opened
-    start, end = thenar(hand)[2], thenar(hand)[5]
-    page.mouse.click(*place(page, host, start))
-    page.wait_for_function("document.querySelectorAll('circle').length === 1")
-    page.mouse.move(*place(page, host, start))
-    page.mouse.down()
-    page.mouse.move(*place(page, host, end), steps=5)
-    page.mouse.up()
-    page.wait_for_timeout(400)
-    assert len(host.panel.painting.points) == 1
-    assert np.linalg.norm(host.panel.painting.points[0] - end) < 1.5e-3
-    page.keyboard.press("Backspace")
-    page.wait_for_timeout(400)
-    assert np.linalg.norm(host.panel.painting.points[0] - start) < 1.5e-3
+def test_dragging_beside_the_points_turns_the_hand_and_adds_none(user, wanted):
+    user.click(wanted[2])
+    user.settled()
+    before = np.array(user.ask("hand.eye"))
+    user.drag((60, 200), (120, 230))
+    assert 0.2 < np.arccos(np.clip(before @ user.ask("hand.eye"), -1, 1)) < 1.2
+    assert off(user, wanted[2:3]) < 1e-4
 
 
-def test_the_wheel_goes_nearer_and_a_click_then_means_the_new_picture(opened, hand):
-    page, host = opened
-    point = thenar(hand)[2]
-    far = host.panel.canvas.camera.distance
-    page.mouse.move(*place(page, host, point))
-    page.mouse.wheel(0, -500)
-    page.wait_for_timeout(500)
-    assert 0.3 * far < host.panel.canvas.camera.distance < 0.8 * far
-    page.mouse.click(*place(page, host, point))
-    page.wait_for_function("document.querySelectorAll('circle').length === 1")
-    assert np.linalg.norm(host.panel.painting.points[0] - point) < 1e-3
+def test_a_point_is_dragged_in_one_step_and_undone_with_a_key(user, wanted):
+    user.click(wanted)
+    user.settled("p.told.muscle")
+    target = 0.7 * wanted[5] + 0.3 * wanted[3]
+    user.drag(user.place(wanted[5]), user.place(target), steps=9)
+    moved = user.panel.painting.points
+    assert np.linalg.norm(moved[5] - wanted[5]) > 2e-3
+    np.testing.assert_allclose(moved[:5], wanted[:5], atol=1e-4)
+    user.page.keyboard.press("Backspace")
+    user.settled()
+    assert off(user, wanted) < 1e-4
+    user.panel.undo()  # code goes on where the page has stopped
+    assert len(user.panel.painting.points) == 5
 
 
-def test_a_click_in_a_picture_that_is_already_old_means_what_was_seen(opened, hand):
-    page, host = opened
-    point = thenar(hand)[2]
-    at = place(page, host, point)
-    page.evaluate("window.hold()")
-    host.panel.canvas.turn(0.2, 0.0)
-    host.panel._send()  # a newer picture that the page has not seen
-    page.mouse.click(*at)
-    page.wait_for_timeout(300)
-    assert np.linalg.norm(host.panel.painting.points[0] - point) < 1.5e-3
+def test_the_wheel_goes_nearer_where_the_pointer_is_and_a_click_then_means_the_new_picture(user, wanted):
+    far = user.ask("hand.distance")
+    there = user.place(wanted[2])
+    user.page.mouse.move(*there)
+    user.page.mouse.wheel(0, -500)
+    user.page.wait_for_timeout(100)
+    assert 0.3 * far < user.ask("hand.distance") < 0.8 * far
+    assert np.linalg.norm(np.subtract(user.place(wanted[2]), there)) < 12, "exact in the plane of the middle, near it elsewhere"
+    user.click(wanted[2])
+    user.settled()
+    assert off(user, wanted[2:3]) < 1e-4
+
+
+def test_a_click_beside_the_hand_or_on_a_point_says_so_and_changes_nothing(user, wanted):
+    user.page.mouse.click(40, 400)
+    assert "beside the hand" in user.page.inner_text(".hp-say")
+    user.click(wanted[0])
+    assert not user.page.is_visible(".hp-say")
+    user.click(wanted[0])
+    assert "A point is there already" in user.page.inner_text(".hp-say")
+    assert user.ask("points.length") == 1
+
+
+def test_what_code_changes_shows_in_the_page(user, wanted):
+    user.told.clear()
+    user.panel.add(wanted)
+    user.panel.set(skin="mesh", contraction=0.5, thickness_mm=(1, 20), skin_distance_mm=(6, 3, 2))
+    for one in user.told:
+        user.page.evaluate("(told) => window.tell(told)", one)
+    user.page.wait_for_function("document.querySelectorAll('svg circle').length === 6 && document.querySelector('svg .wires')")
+    assert user.page.input_value("[aria-label^='skin distance']") == "6, 3, 2"
+    assert user.page.input_value("[aria-label*='greatest']") == "20"
+    assert user.page.locator(".hp-bones select").count() == 3
+    user.page.keyboard.press("Tab")
+    user.ask("undo()")
+    user.settled()
+    assert len(user.panel.painting.points) == 0, "what code did can be taken back in the page"
