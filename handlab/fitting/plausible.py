@@ -82,7 +82,7 @@ def require_labels(hand: Hand, names: tuple[str, ...], picture: Array) -> None:
     if given.scatter <= WORSE_THAN * given.scale * hand_length_mm(hand):
         return
     swap, better = min((best_exchange(names, source, picture, mirror) for mirror in (False, True)), key=lambda found: found[1])
-    if swap is not None and given.scatter > BETTER * better and better < without_one(source, picture):
+    if given.scatter > BETTER * better and better < without_one(source, picture):
         raise FitError(
             f"{swap[0]} and {swap[1]} look exchanged: the points fit a hand much better the other way round "
             f"({better:.0f} instead of {given.scatter:.0f} mm off on average); swap them, or say sure=True",
@@ -105,9 +105,8 @@ def require_together(hand: Hand, view: str, names: tuple[str, ...], picture: Arr
         )
 
 
-def best_exchange(names: tuple[str, ...], source: Array, picture: Array, mirror: bool) -> tuple[tuple[str, str] | None, float]:
+def best_exchange(names: tuple[str, ...], source: Array, picture: Array, mirror: bool) -> tuple[tuple[str, str], float]:
     """The two labels, or two fingers, whose exchange makes the points fit best, and the scatter (mm) then."""
-    best: tuple[tuple[str, str] | None, float] = (None, np.inf)
     order = list(range(len(names)))
     where = {name: k for k, name in enumerate(names)}
     trials: list[tuple[tuple[str, str], list[tuple[int, int]]]] = [((names[i], names[j]), [(i, j)]) for i, j in combinations(order, 2)]
@@ -115,20 +114,30 @@ def best_exchange(names: tuple[str, ...], source: Array, picture: Array, mirror:
         pairs = [(where[name], where[other]) for name in names if digit_of(name) == a and (other := _same_joint(name, b)) in where]
         if len(pairs) > 1:
             trials.append(((a, b), pairs))
-    for labels, pairs in trials:
-        tried = order.copy()
+    tried = np.tile(np.arange(len(names)), (len(trials), 1))
+    for row, (_, pairs) in zip(tried, trials, strict=True):
         for i, j in pairs:
-            tried[i], tried[j] = tried[j], tried[i]
-        scatter = similarity(source, picture[tried], mirror=mirror).scatter
-        if scatter < best[1]:
-            best = labels, scatter
-    return best
+            row[i], row[j] = row[j], row[i]
+    scatter = _scatters(source, picture[tried], mirror)
+    best = int(scatter.argmin())
+    return trials[best][0], float(scatter[best])
 
 
 def without_one(source: Array, picture: Array) -> float:
     """The scatter (mm) that is left when the one point is left out without which the others fit best."""
-    kept = [np.delete(np.arange(len(source)), k) for k in range(len(source))]
-    return min(similarity(source[rest], picture[rest], mirror=mirror).scatter for rest in kept for mirror in (False, True))
+    kept = np.array([np.delete(np.arange(len(source)), k) for k in range(len(source))])
+    return float(min(_scatters(source[kept], picture[kept], mirror).min() for mirror in (False, True)))
+
+
+def _scatters(plane: Array, picture: Array, mirror: bool) -> Array:
+    """``similarity(...).scatter`` (T,) of many sets at once, (T, N, 2) or (N, 2) for all."""
+    a, b = plane - plane.mean(axis=-2, keepdims=True), picture - picture.mean(axis=-2, keepdims=True)
+    across = np.swapaxes(b, -1, -2) @ a
+    size = np.linalg.svd(across, compute_uv=False)
+    sign = np.sign(np.linalg.det(across)) * (-1.0 if mirror else 1.0)
+    same, other = (np.sum(x**2, axis=(-2, -1)) for x in (a, b))
+    left = other - (size[..., 0] + sign * size[..., 1]) ** 2 / np.maximum(same, 1e-300)
+    return np.asarray(np.sqrt(np.maximum(left, 0.0) / plane.shape[-2]))
 
 
 def _same_joint(name: str, finger: str) -> str:

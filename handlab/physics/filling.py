@@ -24,9 +24,10 @@ def filled(points: Array, faces: Index, step: float) -> Array:
     corners = np.array(points[faces], order="C")
     corners.setflags(write=False)
     _cross(corners, low + 0.5 * step, step, crossing, number)
-    if number.max(initial=0) > MOST:
-        raise ValueError(f"a line meets the mesh {number.max()} times; it is no skin")
-    sorted_crossing = np.sort(np.where(np.arange(MOST) < number[:, :, None], crossing, np.inf), axis=2)
+    most = int(number.max(initial=0))
+    if most > MOST:
+        raise ValueError(f"a line meets the mesh {most} times; it is no skin")
+    sorted_crossing = np.sort(np.where(np.arange(most) < number[:, :, None], crossing[:, :, :most], np.inf), axis=2)
     y = low[1] + step * (np.arange(count[1]) + 0.5)
     below = (sorted_crossing[:, None, :, :] < y[None, :, None, None]).sum(axis=3)
     i, j, k = np.nonzero(below % 2 == 1)

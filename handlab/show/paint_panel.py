@@ -30,7 +30,7 @@ class PaintPanel:
     turns the hand; the wheel goes nearer. Raises ``ValueError`` or ``UnknownName`` for settings that can be no muscle's.
     """
 
-    def __init__(self, hand: Hand, name: str, drive: str, *, height: int = 640, **settings: Any) -> None:
+    def __init__(self, hand: Hand, name: str, drive: str, *, height: int = 700, **settings: Any) -> None:
         self.hand = hand
         self.height = height
         self.painting = Painting(hand, Settings(name, drive))

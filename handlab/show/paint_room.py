@@ -142,7 +142,10 @@ class PaintRoom:
         grid = self._finished()
         if self._keep is not None:
             return {"said": self._keep(grid, str(message.get("folder") or "muscles"))}
-        return {"said": f'{grid.name}.json is saved. "keep" beside the live hand loads it.', "file": {"name": f"{grid.name}.json", "text": as_text(grid)}}
+        return {
+            "said": f'{grid.name}.json is saved. "keep" beside the live hand loads it.',
+            "file": {"name": f"{grid.name}.json", "text": as_text(grid)},
+        }
 
     def _moved(self, message: Mapping[str, Any]) -> dict[str, Any]:
         if self._use is None:

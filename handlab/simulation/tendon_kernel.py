@@ -17,9 +17,9 @@ SWEEPS = 3  # rounds at the end after which nothing is spread: what one ball pus
 def lifted(line: Array, up: Array, centre: Array, reach: Array, first: Index, last: Index, rounds: int) -> None:
     """Rows ``first`` to ``last`` (b,) of ``line`` (n, 3) are lifted out of balls ``centre`` (b, 3), ``reach`` (b,), in place.
 
-    Straight out of the ball, and the more ``up`` (n, 3) the less that leads down: two walls of a groove would only push to and fro, and the
-    roof of a tunnel must not be climbed. After every round but the last ``SWEEPS`` what rows were moved by is spread to their neighbours, so that a
-    lift has no corners. The two ends stay.
+    Straight out of the ball, and the more ``up`` (n, 3) the less that leads down: two walls of a groove would only push to and fro, and
+    the roof of a tunnel must not be climbed. In ``rounds`` what rows were moved by is spread to their neighbours, so that a lift has no
+    corners; then come the sweeps. The two ends stay.
     """
     count = line.shape[0]
     before, moved = line.copy(), np.zeros_like(line)

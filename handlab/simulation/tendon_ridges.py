@@ -4,7 +4,7 @@ A tendon that pulls is straight: where the knuckle is bent backwards it leaves t
 finger, and skin that a slack tendon leaves smooth lies over it in a ridge. Beside the tendon the skin is a bent strip on an elastic bed
 (Winkler): it falls off as e^(-x/l) (cos x/l + sin x/l), l^4 = 4 B / k, with bending stiffness B = E h^3 / 12 and bed k = E_tissue / depth.
 Loose tissue above the tendon hides its relief: e^(-g/l_g) for a gap g, as any layer flattens waves of length 2 pi l_g. With the constants
-of the soft skin l is 2 mm, less than an edge of its net (5 mm): ridges are put on the fine skin, on top of what springs and muscles do.
+of the soft skin l is 2.4 mm, less than an edge of its net (5 mm): ridges are put on the fine skin, on top of what springs and muscles do.
 """
 
 from __future__ import annotations

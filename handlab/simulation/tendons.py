@@ -24,7 +24,7 @@ from handlab.simulation.tendon_table import COURSES, Flat, Ring
 
 SAMPLES = 7  # points of a tube from one via point to the next
 EVEN = 2  # smoothing passes
-LIFTS = 4  # rounds of lifting a tendon out of bone in a pose
+LIFTS = 3  # rounds of lifting a tendon out of bone in a pose
 ENDING = 4  # points of an end that may go into its bone
 NEAR = 0.01  # metres: bones further from a tendon than this cannot be in its way
 NUDGES = 5  # rounds of lifting points off the bones
@@ -42,8 +42,8 @@ class Tube(NamedTuple):
 
 @dataclass(frozen=True)
 class Course:
-    """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v); ``up`` (v, 3)
-    points out of the bone there.
+    """One tendon in the bind posture: via points ``point`` (v, 3) on bodies ``body`` (v,), smoothing matrix ``spread`` (n, v);
+    ``up`` (v, 3) points out of the bone there.
 
     ``nudge`` (n, 3) with bodies ``nudged`` (n,): what lifts the curve off the bones between its via points.
     It is laid over joints: ``centre``, ``axis`` (j, 3) on bodies ``carrier`` (j,), at the distance ``reach`` (j,), and out of ``balls``.

@@ -3,12 +3,14 @@
 Nothing here has been warped: the skin is the shape data's own, and so are PIP, DIP and tips.
 """
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pytest
 from scipy.spatial import cKDTree
 
 import handlab as hl
@@ -111,3 +113,11 @@ def skin_error_mm(skin, person):
     corner = person.skin[person.faces]
     dense = np.vstack([person.skin, corner.mean(axis=1), ((corner + np.roll(corner, 1, axis=1)) / 2).reshape(-1, 3)])
     return 1e3 * float(cKDTree(dense).query(rigidly(skin, person.skin))[0].mean())
+
+
+@contextmanager
+def only_shapes():
+    """Fits without masses, a fifth of their time, for tests that look at shapes only."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("handlab.fitting.warp.weighed", lambda hand, size=1.0: hand.bodies)
+        yield

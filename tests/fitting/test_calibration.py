@@ -40,7 +40,7 @@ def test_one_click_on_a_disc_gives_its_outline_within_half_a_percent(radius, rin
     centre = np.array([401.3, 297.8])
     picture = drawn(disc(centre, radius, ring), colour)
     found = outline(picture, *find_circle(picture, centre + off * radius * np.array([0.6, -0.8])))
-    assert found.radius == pytest.approx(radius, rel=0.005)
+    assert found.radius == pytest.approx(radius, rel=0.003, abs=0.15)
     assert found.centre == pytest.approx(centre, abs=0.1)
     assert found.oval < 0.004
 

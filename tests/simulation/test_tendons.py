@@ -52,7 +52,9 @@ def above_bone(hand, angle, points):
     return np.where(winding(points, bones) > 0.5, -1.0, 1.0) * closest(points, bones)[0]
 
 
-@pytest.mark.parametrize(("clip", "share"), [("fist", 1.0), ("opposition-little", 1.0), ("wave", 0.55), ("thumbs-up", 1.0), ("spread", 1.0)])
+@pytest.mark.parametrize(
+    ("clip", "share"), [("fist", 1.0), ("opposition-little", 1.0), ("wave", 0.55), ("thumbs-up", 1.0), ("spread", 1.0)]
+)
 def test_a_tendon_keeps_its_own_radius_outside_bone_and_is_lifted_no_further_than_that(hand, clip, share):
     """But for its end, which goes into bone; beside it and in the grooves of the wrist a tube may graze bone."""
     played = hl.simulate(hand, hl.keyframes(clip), fps=10)
@@ -63,7 +65,7 @@ def test_a_tendon_keeps_its_own_radius_outside_bone_and_is_lifted_no_further_tha
         bare = laid(replace(course, balls=none()), moved)
         rows = slice(0, len(bare) - ENDING)
         before, after = (above_bone(hand, angle, np.ascontiguousarray(line[rows])) - course.radius for line in (bare, tube.points))
-        assert after.min() > -0.8e-3 and after.min() + course.radius > 0.4e-3, course.name
+        assert after.min() > -0.9e-3 and after.min() + course.radius > 0.2e-3, course.name
         assert np.mean(after < -0.25e-3) < 0.06, course.name
         far = np.linalg.norm(tube.points - bare, axis=1)[rows]
         free = minimum_filter(before, size=9) > MARGIN  # nothing near, nor beside it

@@ -122,8 +122,8 @@ class PaintPage {
       field("thickness, mm", F.least, make("i", { textContent: "to" }), F.most), field("skin distance, mm", F.skin_distance_mm),
       make("div", { className: "hp-ends" }, ...this.ends.map((box) => make("label", { title: "this end is fixed to bone and tapers towards it" }, box, `${box.dataset.end} row on bone`))),
       this.bones, this.facts, make("span", { className: "gap" }),
-      field("contract it", F.contraction, this.percent),
-      make("div", { className: "hp-tools" }, push("undo", () => this.undo(), { data: { act: "undo" } }), push("clear", () => this.clear(), { data: { act: "clear" } }), make("span", { className: "gap" }), this.folder,
+      field("contract it", F.contraction, this.percent), this.folder && field("save in the folder", this.folder),
+      make("div", { className: "hp-tools" }, push("undo", () => this.undo(), { data: { act: "undo" } }), push("clear", () => this.clear(), { data: { act: "clear" } }), make("span", { className: "gap" }),
         push("save", () => this.save(), { data: { act: "save" }, title: "the grid as data (.json)" }), push("use it", () => this.use(), { className: "hl-btn hp-main", data: { act: "use" }, title: "put the muscle on the live hand" })));
   }
 
@@ -424,7 +424,8 @@ class PaintPage {
     const { svg, told, hand } = this;
     if (!told) return;
     const m = hand.projection(), to = (point) => this.onScreen(point, m).map((one) => one.toFixed(1)).join(" ");
-    const parts = [];
+    const parts = [], size = Math.min(Math.max(0.4 * this.canvas.clientHeight / (560 * hand.distance), 0.55), 1); // a small grid is not hidden by its own marks
+    svg.style.setProperty("--size", size.toFixed(2));
     if (this.skin === "mesh") parts.push(draw("path", { class: "wires", d: this.wires(m) }));
     const paths = ["", ""], lines = this.points.length ? told.lines : [];
     lines.forEach((flat, n) => {
@@ -444,7 +445,7 @@ class PaintPage {
     const columns = this.settings.columns, places = this.points.map((point) => this.onScreen(point, m));
     this.points.forEach((point, k) => {
       const front = this.seen(point), [cx, cy] = places[k];
-      parts.push(draw("circle", { cx, cy, r: front ? 6 : 4, class: `${front ? "" : "far"} ${this.drag?.key === k ? "held" : ""} ${kind}`, "data-point": k }));
+      parts.push(draw("circle", { cx, cy, r: (front ? 6 : 4) * Math.max(size, 0.75), class: `${front ? "" : "far"} ${this.drag?.key === k ? "held" : ""} ${kind}`, "data-point": k }));
       if (k % columns || !front) return; // the first point of every row carries its number, away from the second
       const left = k + 1 < places.length && places[k + 1][0] > cx, text = draw("text", { x: cx + (left ? -12 : 12), y: cy + 5, "text-anchor": left ? "end" : "start", class: kind });
       text.textContent = `row ${k / columns + 1}`;
@@ -474,7 +475,7 @@ const PAINT_STYLE = `
 .hp-stage > svg { position:absolute; inset:0; width:100%; height:100%; pointer-events:none; overflow:hidden; }
 .hp-stage .hp-zoom { position:absolute; left:10px; bottom:10px; } .hp-stage .hp-zoom button { min-width:40px; font-size:1.15em; }
 .hp svg path { fill:none; stroke-linejoin:round; stroke-linecap:round; } .hp svg .grid { stroke:var(--blue); stroke-width:2.6; } .hp svg .grid.far { stroke-width:1.4; stroke-dasharray:2 5; opacity:.6; } .hp svg .grid.casing { stroke:#fff; stroke-width:5; opacity:.6; }
-.hp svg .grid.bad, .hp svg circle.bad { stroke:var(--vermilion); } .hp svg .dots { stroke:#009E73; stroke-width:8; } .hp svg .dots.casing { stroke:#fff; stroke-width:10.5; } .hp svg .wires { stroke:#7B8794; stroke-width:.6; opacity:.8; }
+.hp svg .grid.bad, .hp svg circle.bad { stroke:var(--vermilion); } .hp svg .dots { stroke:#009E73; stroke-width:calc(8px * var(--size)); } .hp svg .dots.casing { stroke:#fff; stroke-width:calc(10.5px * var(--size)); } .hp svg .wires { stroke:#7B8794; stroke-width:.6; opacity:.8; }
 .hp svg circle { fill:#fff; stroke:var(--blue); stroke-width:2.8; } .hp svg circle.far { fill:none; stroke-width:1.6; stroke-dasharray:2 2; } .hp svg circle.held { fill:#F0E442; }
 .hp svg text { font-size:.95em; font-weight:650; fill:#00507d; stroke:#fff; stroke-width:4; paint-order:stroke; } .hp svg text.bad { fill:#a33a00; }
 .hp .hp-side { grid-column:2; grid-row:2; display:flex; flex-direction:column; gap:8px; padding:14px 16px; border-left:1px solid var(--rule); overflow:auto; min-height:0; scrollbar-width:thin; } .hp-side > * { flex:none; } .hp-side > .gap { flex:1; min-height:0; }
@@ -484,7 +485,7 @@ const PAINT_STYLE = `
 .hp-bones { display:grid; gap:6px; } .hp-bones .hp-field { grid-template-columns:4em minmax(0,1fr); } .hp-bones b { font-weight:600; margin-top:4px; }
 .hp-facts { display:flex; flex-wrap:wrap; gap:5px; } .hp-facts span { background:#eef2f5; border-radius:99px; padding:2px 11px; font-size:.93em; font-variant-numeric:tabular-nums; }
 .hl-wait.hp-none { place-content:center; gap:12px; color:var(--ink); text-align:center; padding:20px; } .hp-say { background:#fff4ea; border:1px solid #f0b58a; border-left:5px solid var(--vermilion); border-radius:8px; padding:8px 12px; position:sticky; top:0; z-index:3; } .hp-say.good { background:#e8f6ef; border-color:#8fcbb0; border-left-color:#009E73; } .hp-say[hidden] { display:none; }
-.hp-tools { display:flex; gap:8px; align-items:center; position:sticky; bottom:-14px; background:#fff; padding:8px 0 14px; margin-bottom:-14px; } .hp-tools .gap { flex:1; } .hp-tools .hl-btn { padding:7px 14px; } .hp .hp-tools input { width:7em; } .hl .hl-btn.hp-main { background:var(--blue); border-color:var(--blue); color:#fff; font-weight:650; } .hl .hl-btn.hp-main:hover { background:#005f95; }
+.hp-tools { display:flex; gap:8px; align-items:center; position:sticky; bottom:-14px; background:#fff; padding:8px 0 14px; margin-bottom:-14px; } .hp-tools .gap { flex:1; } .hp-tools .hl-btn { padding:7px 14px; } .hl .hl-btn.hp-main { background:var(--blue); border-color:var(--blue); color:#fff; font-weight:650; } .hl .hl-btn.hp-main:hover { background:#005f95; }
 .hl.hp[data-size=small] { grid-template:auto minmax(0,1fr) auto / minmax(0,1fr); } .hp[data-size=small] > header { flex-wrap:wrap; padding:6px 10px; } .hp[data-size=small] h1 { flex:1; } .hp[data-size=small] .hp-guide { order:3; flex-basis:100%; font-size:1em; }
 .hp[data-size=small] .hp-side { grid-column:1; grid-row:3; border-left:0; border-top:1px solid var(--rule); max-height:44vh; padding:10px; } .hp[data-size=small] .hp-tools { bottom:-10px; padding-bottom:10px; margin-bottom:-10px; }
 `;
