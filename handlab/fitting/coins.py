@@ -45,16 +45,15 @@ def find_circle(picture: NDArray[np.uint8], click: Array) -> Circle:
     Raises ``ValueError`` where no circle stands out.
     """
     points, ray, step = edges(picture, click)
-    rng = np.random.default_rng(0)
-    found: list[tuple[int, float, Array]] = []
     tolerance = 1.5 * step
-    for _ in range(TRIALS):
-        chosen = rng.choice(len(points), 3, replace=False)
+    found: list[tuple[int, float, Array]] = []
+    for chosen in np.random.default_rng(0).integers(len(points), size=(TRIALS, 3)):
         circle = _through(points[chosen])
         if circle is None or circle[2] < SMALLEST_PX or np.hypot(*(circle[:2] - click)) > 0.9 * circle[2] or circle[2] > SAMPLES * step:
             continue
-        near = np.abs(np.hypot(*(points - circle[:2]).T) - circle[2]) < tolerance
-        found.append((len(np.unique(ray[near])), circle[2], circle))
+        met = np.zeros(RAYS, dtype=bool)
+        met[ray[np.abs(np.hypot(points[:, 0] - circle[0], points[:, 1] - circle[1]) - circle[2]) < tolerance]] = True
+        found.append((int(np.count_nonzero(met)), float(circle[2]), circle))
     best = max((votes for votes, _, _ in found), default=0)
     if best < AGREE * RAYS:
         raise ValueError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, Literal
 
 import numpy as np
@@ -139,7 +140,8 @@ def fit_photo(
     ``picture``: a file, its bytes, its pixels, or only its size (width, height). ``landmarks``: clicks or a file of them. ``scale``:
     a number of millimetres per pixel, two clicks on a ruler, one on a coin or a card (see ``calibration.as_scale``). ``hand``: what is
     warped, the reference hand if not given. ``camera_mm``: distance of the camera from the table, None for a scanner; "auto": by the focal
-    length in the file, none for a file whose dots per inch are those of a scanner, else 600 mm (see ``lens.camera``; a remark says so).
+    length in the file, none for a file whose dots per inch are those of a scanner, else 600 mm (see ``lens.camera``; a remark says so), for
+    the back of a hand also by its points (see ``distance``).
     All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels ``outline`` and ``iou``.
     Nothing is written anywhere.
     """
@@ -161,8 +163,20 @@ def fit_photo(
     middle = np.array([width, height]) / 2.0 if centre_px is None else centre_px
     seen = camera(picture, found_scale.mm_per_px, (width, height)) if camera_mm == "auto" else Camera(camera_mm, "given")
     own = load_hand() if hand is None else hand
+    if seen.how == "assumed":
+        seen = _by_points(own, clicks, found_scale.mm_per_px, middle, options) or seen
     fit = fit_points(own, clicks, found_scale, camera_mm=seen.distance_mm, centre_px=middle, sure=sure, **options)
     return fit.with_picture(pixels, (width, height), seen.how)
+
+
+def _by_points(hand: Hand, clicks: Mapping[str, Any], mm_per_px: float, middle: ArrayLike, options: Mapping[str, Any]) -> Camera | None:
+    from handlab.fitting.distance import likely_distance_mm
+
+    how = {key: options[key] for key in ("view", "side", "mirror") if key in options}
+    with suppress(FitError):  # ``fit_points`` tells what is wrong
+        distance = likely_distance_mm(hand, clicks, mm_per_px, np.asarray(middle), **how)
+        return None if distance is None else Camera(distance, "likely by the points")
+    return None
 
 
 def warp_to(

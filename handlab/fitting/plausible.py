@@ -190,4 +190,6 @@ def with_camera(said: tuple[str, ...], camera_mm: float | None, how: str) -> tup
             *said,
             f"taken by a camera {camera_mm:.0f} mm above the table, as is assumed; give camera_mm= its distance, or None for a scanner",
         )
+    if how == "likely by the points" and camera_mm is not None:
+        return (*said, f"taken by a camera about {camera_mm:.0f} mm above the table, as the points suggest; give camera_mm= if you know it")
     return tuple(remark for remark in said if remark != FLAT) if how.startswith("a scanner") else said

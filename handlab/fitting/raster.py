@@ -33,13 +33,13 @@ def pixels(points_px: Array, faces: Index, shape: tuple[int, int], margin: float
     number = np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count, count)
     row = first[triangle, 1] + number // np.maximum(size[triangle, 0], 1)
     column = first[triangle, 0] + number % np.maximum(size[triangle, 0], 1)
-    r = np.stack([column + 0.5, row + 0.5], axis=1) - corner[triangle, 0]
-    s, d = side[triangle], determinant[triangle]
-    b = (r[:, 0] * s[:, 1, 1] - r[:, 1] * s[:, 0, 1]) / d
-    c = (r[:, 1] * s[:, 0, 0] - r[:, 0] * s[:, 1, 0]) / d
-    barycentric = np.stack([1.0 - b - c, b, c], axis=1)
-    covered = barycentric.min(axis=1) >= EDGE - margin
-    return row[covered], column[covered], triangle[covered], barycentric[covered]
+    x, y = column + 0.5 - corner[triangle, 0, 0], row + 0.5 - corner[triangle, 0, 1]
+    d = determinant[triangle]
+    b = (x * side[triangle, 1, 1] - y * side[triangle, 0, 1]) / d
+    c = (y * side[triangle, 0, 0] - x * side[triangle, 1, 0]) / d
+    a = 1.0 - b - c
+    covered = (a >= EDGE - margin) & (b >= EDGE - margin) & (c >= EDGE - margin)
+    return row[covered], column[covered], triangle[covered], np.stack([a[covered], b[covered], c[covered]], axis=1)
 
 
 def foremost(points_px: Array, height: Array, faces: Index, shape: tuple[int, int]) -> tuple[NDArray[np.int64], Array]:
@@ -48,7 +48,7 @@ def foremost(points_px: Array, height: Array, faces: Index, shape: tuple[int, in
     ``height`` (N,): how near each point is to the camera, larger is nearer.
     """
     row, column, triangle, barycentric = pixels(points_px, faces, shape)
-    near = (barycentric * height[faces[triangle]]).sum(axis=1)
+    near = np.einsum("ij,ij->i", barycentric, height[faces[triangle]])
     order = np.argsort(near, kind="stable")  # the nearest is written last
     front, level = np.full(shape, -1, np.int64), np.full(shape, -np.inf)
     front[row[order], column[order]] = triangle[order]

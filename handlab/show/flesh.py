@@ -16,7 +16,6 @@ from handlab.show import wire
 from handlab.simulation.geometric_muscle import OVERLAP, GeometricMuscles, geometric_muscles
 from handlab.simulation.muscle_surface import TIP, Skeleton, skeletons, tube_faces
 from handlab.simulation.per_hand import per_hand
-from handlab.simulation.tendon_kernel import SWEEPS
 from handlab.simulation.tendon_ridges import MOST_BOW, STRAIGHT, taut
 from handlab.simulation.tendons import EVEN, LIFTS, courses
 
@@ -31,7 +30,6 @@ HEAD = {
     "stride": STRIDE,
     "even": EVEN,
     "lifts": LIFTS,
-    "sweeps": SWEEPS,
     "straight": STRAIGHT,
     "most_bow": MOST_BOW,
 }

@@ -143,7 +143,8 @@ def soft_skin(
     """The network of a hand, built once for every set of constants.
 
     ``young`` Pa of the skin, ``tissue`` Pa of what is below that of the palm (less below hairy skin, see ``hairy_skin``), ``thickness`` m
-    of the skin; ``slack`` and ``prestretch`` as in the constants above; ``muscles``: others than the shipped ones, such as painted ones. Raises ``ValueError`` for numbers that make no net.
+    of the skin; ``slack`` and ``prestretch`` as in the constants above; ``muscles``: others than the shipped ones, such as painted
+    ones. Raises ``ValueError`` for numbers that make no net.
     """
     numbers = {"young": young, "tissue": tissue, "thickness": thickness, "slack": slack, "prestretch": prestretch, "damping": damping}
     for name, value in numbers.items():

@@ -34,7 +34,7 @@ class Inside(NamedTuple):
 
 
 class Balls(NamedTuple):
-    """Balls in the way of one tendon: ``centre`` (b, 3) m, bind posture, on ``body`` (b,), ``radius`` (b,) m, rows ``first`` to ``last``."""
+    """Balls in one tendon's way: ``centre`` (b, 3) m, bind posture, on ``body`` (b,), ``radius`` (b,) m, rows ``first`` to ``last``."""
 
     centre: Array
     body: Index

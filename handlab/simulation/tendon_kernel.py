@@ -10,20 +10,18 @@ from handlab.physics.compiled import compiled
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-SWEEPS = 3  # rounds at the end after which nothing is spread: what one ball pushed into another comes out of that
-
 
 @compiled
 def lifted(line: Array, up: Array, centre: Array, reach: Array, first: Index, last: Index, rounds: int) -> None:
     """Rows ``first`` to ``last`` (b,) of ``line`` (n, 3) are lifted out of balls ``centre`` (b, 3), ``reach`` (b,), in place.
 
     Straight out of the ball, and the more ``up`` (n, 3) the less that leads down: two walls of a groove would only push to and fro, and
-    the roof of a tunnel must not be climbed. In ``rounds`` what rows were moved by is spread to their neighbours, so that a lift has no
-    corners; then come the sweeps. The two ends stay.
+    the roof of a tunnel must not be climbed. After every round but the last what rows were moved by is spread to their neighbours, so
+    that a lift has no corners. The two ends stay.
     """
     count = line.shape[0]
     before, moved = line.copy(), np.zeros_like(line)
-    for turn in range(rounds + SWEEPS - 1):
+    for turn in range(rounds):
         for b in range(centre.shape[0]):
             for n in range(max(first[b], 1), min(last[b], count - 2) + 1):
                 x, y, z = line[n, 0] - centre[b, 0], line[n, 1] - centre[b, 1], line[n, 2] - centre[b, 2]
@@ -40,8 +38,8 @@ def lifted(line: Array, up: Array, centre: Array, reach: Array, first: Index, la
                 line[n, 0] += way * p
                 line[n, 1] += way * q
                 line[n, 2] += way * r
-        if turn >= rounds - 1:
-            continue
+        if turn == rounds - 1:
+            break
         moved[:] = line - before
         for n in range(1, count - 1):
             for k in range(3):

@@ -24,7 +24,7 @@ from handlab.simulation.tendon_table import COURSES, Flat, Ring
 
 SAMPLES = 7  # points of a tube from one via point to the next
 EVEN = 2  # smoothing passes
-LIFTS = 3  # rounds of lifting a tendon out of bone in a pose
+LIFTS = 5  # rounds of lifting a tendon out of bone in a pose
 ENDING = 4  # points of an end that may go into its bone
 NEAR = 0.01  # metres: bones further from a tendon than this cannot be in its way
 NUDGES = 5  # rounds of lifting points off the bones

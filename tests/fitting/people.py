@@ -110,9 +110,14 @@ def rigidly(points, onto):
 
 def skin_error_mm(skin, person):
     """Mean distance of a hand's fine skin from the person's skin, after rigid alignment."""
+    return 1e3 * float(_near(person).query(rigidly(skin, person.skin))[0].mean())
+
+
+@cache
+def _near(person):
+    """The person's skin as a dense set of points."""
     corner = person.skin[person.faces]
-    dense = np.vstack([person.skin, corner.mean(axis=1), ((corner + np.roll(corner, 1, axis=1)) / 2).reshape(-1, 3)])
-    return 1e3 * float(cKDTree(dense).query(rigidly(skin, person.skin))[0].mean())
+    return cKDTree(np.vstack([person.skin, corner.mean(axis=1), ((corner + np.roll(corner, 1, axis=1)) / 2).reshape(-1, 3)]))
 
 
 @contextmanager

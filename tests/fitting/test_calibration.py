@@ -34,8 +34,15 @@ def test_a_ruler_gives_its_distance_over_its_pixels():
     assert ruler((10, 20), (310, 420), 100).uncertainty == pytest.approx(np.sqrt(2) / 500)
 
 
-@pytest.mark.parametrize(("radius", "ring", "off"), [(25.3, False, 0.35), (60.7, True, 0.0), (60.7, True, 0.35), (110.0, False, 0.0)])
-@pytest.mark.parametrize("colour", [(190, 150, 80), (40, 40, 200)])
+@pytest.mark.parametrize(
+    ("radius", "ring", "off", "colour"),
+    [
+        (25.3, False, 0.35, (190, 150, 80)),
+        (60.7, True, 0.0, (40, 40, 200)),
+        (60.7, True, 0.35, (190, 150, 80)),
+        (110.0, False, 0.0, (40, 40, 200)),
+    ],
+)
 def test_one_click_on_a_disc_gives_its_outline_within_half_a_percent(radius, ring, off, colour):
     centre = np.array([401.3, 297.8])
     picture = drawn(disc(centre, radius, ring), colour)
@@ -53,8 +60,10 @@ def test_a_coin_has_its_diameter_by_name_or_number_and_a_dark_ring_on_a_dark_gro
     assert named.above_mm > 0 and 0.003 < named.uncertainty < 0.01
 
 
-@pytest.mark.parametrize(("degrees", "ground"), [(0, (40, 90, 60)), (17, (235, 235, 235)), (88, (12, 12, 15)), (140, (150, 120, 90))])
-@pytest.mark.parametrize("stripe", [False, True])
+@pytest.mark.parametrize(
+    ("degrees", "ground", "stripe"),
+    [(0, (40, 90, 60), False), (17, (235, 235, 235), True), (88, (12, 12, 15), True), (140, (150, 120, 90), False)],
+)
 def test_one_click_on_a_card_gives_the_scale_within_one_percent(degrees, ground, stripe):
     """Round corners as ISO/IEC 7810 has them, a narrow shadow, and a stripe and a chip that form a smaller rectangle of the same ratio."""
     angle, centre, px = np.radians(degrees), (402.0, 299.0), 250.0 / CARD_MM[0]

@@ -65,7 +65,7 @@ def test_a_tendon_keeps_its_own_radius_outside_bone_and_is_lifted_no_further_tha
         bare = laid(replace(course, balls=none()), moved)
         rows = slice(0, len(bare) - ENDING)
         before, after = (above_bone(hand, angle, np.ascontiguousarray(line[rows])) - course.radius for line in (bare, tube.points))
-        assert after.min() > -0.9e-3 and after.min() + course.radius > 0.2e-3, course.name
+        assert after.min() > -0.9e-3 and after.min() + course.radius > 0.0, course.name
         assert np.mean(after < -0.25e-3) < 0.06, course.name
         far = np.linalg.norm(tube.points - bare, axis=1)[rows]
         free = minimum_filter(before, size=9) > MARGIN  # nothing near, nor beside it

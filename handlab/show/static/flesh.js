@@ -155,8 +155,8 @@ export class Flesh {
       }
     }
     const before = line.slice(), moved = new Float64Array(line.length);
-    const { lifts, sweeps } = this.layers;
-    for (let turn = 0; turn < lifts + sweeps - 1; turn++) {
+    const { lifts } = this.layers;
+    for (let turn = 0; turn < lifts; turn++) {
       for (let b = 0; b < t.balls; b++) {
         const reach = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius, c = 3 * b;
         const last = 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
@@ -171,7 +171,7 @@ export class Flesh {
           line[r] += far * p; line[r + 1] += far * q; line[r + 2] += far * w;
         }
       }
-      if (turn >= lifts - 1) continue;
+      if (turn === lifts - 1) break;
       for (let r = 0; r < line.length; r++) moved[r] = line[r] - before[r];
       for (let r = 3; r < line.length - 3; r++) line[r] = before[r] + 0.5 * moved[r] + 0.25 * (moved[r - 3] + moved[r + 3]);
     }

@@ -207,19 +207,24 @@ class PaintPage {
     this.dirty = true;
     if (this.sending) return;
     this.sending = true;
-    while (this.dirty) {
-      this.dirty = false;
-      const start = performance.now();
-      const reply = await this.transport.ask({ kind: "paint", points: this.points, settings: this.settings, contraction: this.contraction, have: this.fit, passing: !!this.drag?.moved, back: this.back });
-      if (this.gone) return;
-      this.stats.latency_ms.push(performance.now() - start);
-      this.stats.server_ms.push(reply.ms);
-      this.refused = reply.good ? null : reply.text;
-      if (this.refused) { this.say(this.refused); continue; } // what was clicked stays
-      this.heed(reply, this.dirty);
+    try {
+      while (this.dirty && !this.gone) await this.sent();
+    } finally {
+      this.sending = false;
     }
-    this.sending = false;
-    this.show();
+    if (!this.gone) this.show();
+  }
+
+  async sent() {
+    this.dirty = false;
+    const start = performance.now();
+    const reply = await this.transport.ask({ kind: "paint", points: this.points, settings: this.settings, contraction: this.contraction, have: this.fit, passing: !!this.drag?.moved, back: this.back });
+    if (this.gone) return;
+    this.stats.latency_ms.push(performance.now() - start);
+    this.stats.server_ms.push(reply.ms);
+    this.refused = reply.good ? null : reply.text;
+    if (this.refused) this.say(this.refused); // what was clicked stays
+    else this.heed(reply, this.dirty);
   }
 
   heed(told, stale = false) {

@@ -3,7 +3,6 @@
 import csv
 import http.server
 import json
-import os
 import struct
 import threading
 import time
@@ -15,34 +14,10 @@ import pytest
 
 import handlab as hl
 
-CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-SOFTWARE_GL = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 SIZE = {"width": 1280, "height": 800}
 BEFORE_WE_GIVE_UP = 60_000.0  # ms; how fast it is, benchmarks measure
 DEGREE = np.deg2rad(1.0)
 pytestmark = pytest.mark.xdist_group("browser")  # two at once would leave no processor to either
-BROWSER_IS_A_MUST = os.environ.get("HANDLAB_REQUIRE_BROWSER") == "1"
-
-
-def without(what):
-    """Skip, or fail where a browser is a must."""
-    (pytest.fail if BROWSER_IS_A_MUST else pytest.skip)(f"{what} is missing: this was not tested")
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """Debian's Chromium, without a screen."""
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        without("playwright")
-    program = next((path for path in CHROMIUM if Path(path).exists()), None)
-    if program is None:
-        without("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=SOFTWARE_GL)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")

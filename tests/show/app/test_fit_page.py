@@ -4,7 +4,6 @@ import http.client
 import io
 import json
 import math
-import os
 import struct
 import sys
 import time
@@ -25,8 +24,6 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "fitting"))  # for people.py 
 import people
 import photograph
 
-CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-SOFTWARE_GL = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 SIZE = {"width": 1280, "height": 800}
 PATIENCE = 60_000.0  # ms
 pytestmark = pytest.mark.xdist_group("browser")
@@ -34,26 +31,6 @@ pytestmark = pytest.mark.xdist_group("browser")
 POINT, THINK, KEY = 1.1, 1.35, 0.28
 MM = 150.0
 FOCAL_35 = 0xA405
-
-
-def without(what):
-    """Skip, or fail where a browser is a must."""
-    (pytest.fail if os.environ.get("HANDLAB_REQUIRE_BROWSER") == "1" else pytest.skip)(f"{what} is missing: this was not tested")
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        without("playwright")
-    program = next((path for path in CHROMIUM if Path(path).exists()), None)
-    if program is None:
-        without("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=SOFTWARE_GL)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")
@@ -345,7 +322,7 @@ def test_points_saved_as_a_file_read_back_exactly_and_another_page_opens_them(re
 def test_a_coin_gives_the_scale_with_one_click(user, shot, tmp_path):
     pixels, size = Image.fromarray(shot.pixels), 25.75 * photograph.PX_PER_MM
     pen, corner = ImageDraw.Draw(pixels), (60, 60)
-    pen.ellipse([*corner, corner[0] + size, corner[1] + size], fill=(205, 190, 140))
+    pen.ellipse([*corner, corner[0] + size - 1, corner[1] + size - 1], fill=(205, 190, 140))  # both ends are drawn
     file = tmp_path / "coin.png"
     pixels.save(file)
     user.page.set_input_files(".hf > input[accept*=heic]", file)

@@ -2,8 +2,6 @@
 
 import http.client
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,32 +9,10 @@ import pytest
 import handlab as hl
 from handlab.anatomy.grids import load_grid
 
-CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-SOFTWARE_GL = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 SIZE = {"width": 1280, "height": 720}  # a projector
 PATIENCE = 60_000.0  # ms
 pytestmark = pytest.mark.xdist_group("browser")
 ACROSS = np.array([-0.6, 0.0, 0.8])  # the fibres of the short flexor of the thumb
-
-
-def without(what):
-    """Skip, or fail where a browser is a must."""
-    (pytest.fail if os.environ.get("HANDLAB_REQUIRE_BROWSER") == "1" else pytest.skip)(f"{what} is missing: this was not tested")
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        without("playwright")
-    program = next((path for path in CHROMIUM if Path(path).exists()), None)
-    if program is None:
-        without("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=SOFTWARE_GL)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")

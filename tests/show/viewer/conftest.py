@@ -1,8 +1,6 @@
 """A real browser, and a host for the viewer that is nothing but a session: the page asks, the test process answers."""
 
 import base64
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +9,6 @@ import handlab as hl
 from handlab.show.module import viewer_module
 from handlab.show.session import Session
 
-CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-SOFTWARE_GL = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 PATIENCE_MS = 60_000
 SIZE = {"width": 1440, "height": 900}
 PAGE = """<!DOCTYPE html><meta charset="utf-8"><link rel="icon" href="data:,">
@@ -32,27 +28,6 @@ const transport = {
 };
 window.handlab = await mount(document.getElementById("hand"), transport, %s);
 </script>"""
-
-
-def without(what):
-    """Skip, or fail where a browser is a must."""
-    (pytest.fail if os.environ.get("HANDLAB_REQUIRE_BROWSER") == "1" else pytest.skip)(f"{what} is missing: this was not tested")
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """A browser without a screen."""
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        without("playwright")
-    program = next((path for path in CHROMIUM if Path(path).exists()), None)
-    if program is None:
-        without("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=SOFTWARE_GL)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="session")

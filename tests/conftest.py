@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 # Software WebGL, and no sandbox: builds run as root in containers.
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 
@@ -23,7 +24,7 @@ def chromium():
         from playwright.sync_api import sync_playwright
     except ImportError:
         absent("playwright is not installed")
-    path = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+    path = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
     if path is None:
         absent("no Chromium is installed (apt-get install chromium)")
     with sync_playwright() as play:
