@@ -9,19 +9,32 @@ plane.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand
 from handlab.fitting.alignment import conclude
 from handlab.fitting.fit import aligned_marks
-from handlab.fitting.lens import ASSUMED_MM
+from handlab.fitting.lens import ASSUMED_MM, Camera
 from handlab.fitting.lifting import from_far
+from handlab.fitting.mistakes import FitError
 
 TRIED = np.array([0.4, 1.0, 1.6, 2.2, 2.8]) * 1e-3  # 1 / mm
 BELIEVED = 0.5
 ENOUGH = 24  # of the 26 points
 ROUNDS = 3
+
+
+def camera_by_points(hand: Hand, clicks: Mapping[str, Any], mm_per_px: float, centre_px: ArrayLike, **options: Any) -> Camera | None:
+    """The camera that ``likely_distance_mm`` suggests, or none; ``options`` of ``fit_points``, which tells what is wrong with them."""
+    how = {key: options[key] for key in ("view", "side", "mirror") if key in options}
+    with suppress(FitError):
+        distance = likely_distance_mm(hand, clicks, mm_per_px, np.asarray(centre_px), **how)
+        return None if distance is None else Camera(distance, "likely by the points")
+    return None
 
 
 def likely_distance_mm(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from contextlib import suppress
 from typing import Any, Literal
 
 import numpy as np
@@ -164,19 +163,11 @@ def fit_photo(
     seen = camera(picture, found_scale.mm_per_px, (width, height)) if camera_mm == "auto" else Camera(camera_mm, "given")
     own = load_hand() if hand is None else hand
     if seen.how == "assumed":
-        seen = _by_points(own, clicks, found_scale.mm_per_px, middle, options) or seen
+        from handlab.fitting.distance import camera_by_points
+
+        seen = camera_by_points(own, clicks, found_scale.mm_per_px, middle, **options) or seen
     fit = fit_points(own, clicks, found_scale, camera_mm=seen.distance_mm, centre_px=middle, sure=sure, **options)
     return fit.with_picture(pixels, (width, height), seen.how)
-
-
-def _by_points(hand: Hand, clicks: Mapping[str, Any], mm_per_px: float, middle: ArrayLike, options: Mapping[str, Any]) -> Camera | None:
-    from handlab.fitting.distance import likely_distance_mm
-
-    how = {key: options[key] for key in ("view", "side", "mirror") if key in options}
-    with suppress(FitError):  # ``fit_points`` tells what is wrong
-        distance = likely_distance_mm(hand, clicks, mm_per_px, np.asarray(middle), **how)
-        return None if distance is None else Camera(distance, "likely by the points")
-    return None
 
 
 def warp_to(

@@ -95,9 +95,10 @@ class FitRoom:
 
     def scale(self) -> Scale:
         """Millimetres per pixel. A coin is looked for once. Raises ``ValueError``."""
-        key = repr(self.clicks.scale)
+        told = self.clicks.camera_mm
+        key = repr((self.clicks.scale, told))
         if key not in self._scales:
-            self._scales[key] = confirmed(self._measured(), self._photo().data)
+            self._scales[key] = confirmed(self._measured(), self._photo().data, "auto" if told is None else told or None)
         return self._scales[key]
 
     def _measured(self) -> Scale:
@@ -125,16 +126,19 @@ class FitRoom:
 
     def finish(self) -> Fit:
         """The hand of the clicks as they are. Raises ``FitError``."""
+        from handlab.fitting.distance import camera_by_points
         from handlab.fitting.fit import fit_photo
 
         if self.fit is None or self._fitted != self.clicks:
             photo, clicks = self._photo(), self.clicks
             if not clicks.whole_scale:
                 raise FitError("how large is a pixel? Click two marks of a ruler, or a coin, first", clicks.placed)
-            made = fit_photo(
-                photo.pixels, landmarks=clicks.landmarks, scale=self.scale(), hand=self.hand, name=Path(photo.name).stem, **self._how()
-            )
-            made = made.with_picture(photo.pixels, photo.size, self.camera().how)
+            how, seen = self._how(), self.camera()
+            if seen.how == "assumed":
+                seen = camera_by_points(self.hand, clicks.landmarks, self.scale().mm_per_px, **how) or seen
+            how["camera_mm"], name = seen.distance_mm, Path(photo.name).stem
+            made = fit_photo(photo.pixels, landmarks=clicks.landmarks, scale=self.scale(), hand=self.hand, name=name, **how)
+            made = made.with_picture(photo.pixels, photo.size, seen.how)
             self.fit, self._fitted = replace(made, hand=in_colours(made, photo)), clicks
         return self.fit
 

@@ -63,7 +63,7 @@ def unfold(position: Array, faces: Node, plane: Array, least: float, look: Node,
 
 @compiled
 def shorten(position: Array, first: Node, second: Node, rest: Array, most: float, last: Index, now: int) -> int:
-    """Pull the ends of edges together that are longer than ``most`` times ``rest`` (e,), in place, one after the other; returns how many."""
+    """Pull the ends of edges together that are longer than ``most`` times ``rest`` (e,), in place, in turn; returns how many."""
     bad = 0
     for e in range(first.shape[0]):
         i, j = first[e], second[e]

