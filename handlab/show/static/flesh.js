@@ -137,7 +137,23 @@ export class Flesh {
 
   // Out of the bone, as `tendon_kernel.lifted` does it.
   liftTendon(t, M, via, line) {
-    const A = this.layers.arrays, up = new Float64Array(line.length), way = new Float64Array(3), centre = new Float64Array(3 * t.balls);
+    const A = this.layers.arrays, centre = new Float64Array(3 * t.balls), reach = new Float64Array(t.balls);
+    for (let b = 0; b < t.balls; b++) {
+      const m = 12 * A.ball_body[t.ball + b], c = 3 * (t.ball + b), C = A.ball_centre;
+      for (let x = 0; x < 3; x++) {
+        const k = m + 4 * x;
+        centre[3 * b + x] = this.unit * (M[k] * C[c] + M[k + 1] * C[c + 1] + M[k + 2] * C[c + 2]) + M[k + 3];
+      }
+      reach[b] = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius;
+    }
+    const first = (b) => 3 * Math.max(A.ball_first[t.ball + b], 1), last = (b) => 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
+    let clear = true; // most tendons are, in most poses
+    for (let b = 0; clear && b < t.balls; b++) for (let r = first(b), end = last(b); r <= end; r += 3) {
+      const x = line[r] - centre[3 * b], y = line[r + 1] - centre[3 * b + 1], z = line[r + 2] - centre[3 * b + 2];
+      if (x * x + y * y + z * z < reach[b] * reach[b]) { clear = false; break; }
+    }
+    if (clear) return;
+    const up = new Float64Array(line.length), way = new Float64Array(3);
     for (let v = 0; v < t.vias; v++) {
       const m = 12 * A.via_body[t.via + v], u = 3 * (t.via + v);
       for (let x = 0; x < 3; x++) way[x] = M[m + 4 * x] * A.via_up[u] + M[m + 4 * x + 1] * A.via_up[u + 1] + M[m + 4 * x + 2] * A.via_up[u + 2];
@@ -147,27 +163,19 @@ export class Flesh {
       const s = 1 / Math.hypot(up[r], up[r + 1], up[r + 2]);
       up[r] *= s; up[r + 1] *= s; up[r + 2] *= s;
     }
-    for (let b = 0; b < t.balls; b++) {
-      const m = 12 * A.ball_body[t.ball + b], c = 3 * (t.ball + b), C = A.ball_centre;
-      for (let x = 0; x < 3; x++) {
-        const k = m + 4 * x;
-        centre[3 * b + x] = this.unit * (M[k] * C[c] + M[k + 1] * C[c + 1] + M[k + 2] * C[c + 2]) + M[k + 3];
-      }
-    }
     const before = line.slice(), moved = new Float64Array(line.length);
     const { lifts } = this.layers;
     for (let turn = 0; turn < lifts; turn++) {
       for (let b = 0; b < t.balls; b++) {
-        const reach = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius, c = 3 * b;
-        const last = 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
-        for (let r = 3 * Math.max(A.ball_first[t.ball + b], 1); r <= last; r += 3) {
+        const c = 3 * b, own = reach[b] * reach[b], end = last(b);
+        for (let r = first(b); r <= end; r += 3) {
           const x = line[r] - centre[c], y = line[r + 1] - centre[c + 1], z = line[r + 2] - centre[c + 2], square = x * x + y * y + z * z;
-          if (square >= reach * reach) continue;
+          if (square >= own) continue;
           let s = 1 / Math.max(Math.sqrt(square), 1e-6);
           const share = 1 + s * (x * up[r] + y * up[r + 1] + z * up[r + 2]);
           const p = s * x + share * up[r], q = s * y + share * up[r + 1], w = s * z + share * up[r + 2];
           s = 1 / Math.sqrt(p * p + q * q + w * w);
-          const along = s * (p * x + q * y + w * z), far = s * (Math.sqrt(along * along + reach * reach - square) - along);
+          const along = s * (p * x + q * y + w * z), far = s * (Math.sqrt(along * along + own - square) - along);
           line[r] += far * p; line[r + 1] += far * q; line[r + 2] += far * w;
         }
       }
