@@ -147,12 +147,6 @@ export class Flesh {
       reach[b] = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius;
     }
     const first = (b) => 3 * Math.max(A.ball_first[t.ball + b], 1), last = (b) => 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
-    let clear = true; // most tendons are, in most poses
-    for (let b = 0; clear && b < t.balls; b++) for (let r = first(b), end = last(b); r <= end; r += 3) {
-      const x = line[r] - centre[3 * b], y = line[r + 1] - centre[3 * b + 1], z = line[r + 2] - centre[3 * b + 2];
-      if (x * x + y * y + z * z < reach[b] * reach[b]) { clear = false; break; }
-    }
-    if (clear) return;
     const up = new Float64Array(line.length), way = new Float64Array(3);
     for (let v = 0; v < t.vias; v++) {
       const m = 12 * A.via_body[t.via + v], u = 3 * (t.via + v);
