@@ -363,17 +363,16 @@ export class Hand3D {
   }
 
   fineInto(P, N, out) {
-    const A = this.scene.arrays;
-    for (let v = 0; v < A.fine_triangle.length; v++) {
-      const t = 3 * A.fine_triangle[v], i = 3 * A.skin_faces[t], j = 3 * A.skin_faces[t + 1], k = 3 * A.skin_faces[t + 2];
+    const A = this.scene.arrays, D = new Float64Array(P.length / 3);
+    for (let v = 0, i = 0; i < P.length; v++, i += 3) D[v] = P[i] * N[i] + P[i + 1] * N[i + 1] + P[i + 2] * N[i + 2];
+    for (let v = 0, o = 0; v < A.fine_triangle.length; v++, o += 3) {
+      const t = 3 * A.fine_triangle[v], I = A.skin_faces[t], J = A.skin_faces[t + 1], K = A.skin_faces[t + 2], i = 3 * I, j = 3 * J, k = 3 * K;
       const a = A.fine_barycentric[2 * v], b = A.fine_barycentric[2 * v + 1], c = 1 - a - b;
-      let sag = 0; // how far the even skin, as curved as its normals say, rises over its triangle (`skin_kernel.sagitta`)
-      for (let x = 0; x < 3; x++) {
-        const p = a * P[i + x] + b * P[j + x] + c * P[k + x];
-        sag -= 0.5 * (a * (p - P[i + x]) * N[i + x] + b * (p - P[j + x]) * N[j + x] + c * (p - P[k + x]) * N[k + x]);
-      }
-      const h = A.fine_height[v] + this.raised[v] + sag;
-      for (let x = 0; x < 3; x++) out[3 * v + x] = a * (P[i + x] + h * N[i + x]) + b * (P[j + x] + h * N[j + x]) + c * (P[k + x] + h * N[k + x]);
+      const x = a * P[i] + b * P[j] + c * P[k], y = a * P[i + 1] + b * P[j + 1] + c * P[k + 1], z = a * P[i + 2] + b * P[j + 2] + c * P[k + 2];
+      const p = a * N[i] + b * N[j] + c * N[k], q = a * N[i + 1] + b * N[j + 1] + c * N[k + 1], r = a * N[i + 2] + b * N[j + 2] + c * N[k + 2];
+      // how far the even skin, as curved as its normals say, rises over its triangle (`skin_kernel.sagitta`)
+      const sag = 0.5 * (a * D[I] + b * D[J] + c * D[K] - x * p - y * q - z * r), h = A.fine_height[v] + this.raised[v] + sag;
+      out[o] = x + h * p; out[o + 1] = y + h * q; out[o + 2] = z + h * r;
     }
   }
 
