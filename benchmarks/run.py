@@ -7,6 +7,7 @@ included. Only ratios carry over to other machines; the absolute goals hold for 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import platform
 import shutil
@@ -122,13 +123,18 @@ def soft() -> list[Row]:
 
 
 def photographed() -> list[Row]:
-    """The warp of a hand's points against scipy's and VTK's, and a whole fit from 26 clicks."""
-    best = warp.measured()
-    ours = f"{best['ours']:.2f} ms"
+    """The warp of a hand's points against scipy's and VTK's, and a whole fit from 26 clicks.
+
+    In a process of its own, as a user's is; here, where much else has run, scipy finds its memory warm.
+    """
+    own = subprocess.run([sys.executable, warp.__file__], capture_output=True, text=True, check=True)
+    fresh, later = json.loads(own.stdout), warp.measured()
+    ours, here = (f"{best['ours']:.2f} ms; scipy {best['scipy']:.1f} ms" for best in (fresh, later))
     return [
-        Row("warp of 30,000 points, times faster than scipy", best["scipy"] / best["ours"], 20, "x", False, ours),
-        Row("warp of 30,000 points, times faster than VTK", best["vtk"] / best["ours"], 10, "x", False, ours),
-        Row("a hand from 26 clicks", best["fit"] / 1e3, 0.5, "s", True),
+        Row("warp of 30,000 points, times faster than scipy", fresh["scipy"] / fresh["ours"], 20, "x", False, ours),
+        Row("the same after all rows above in one process", later["scipy"] / later["ours"], 10, "x", False, here),
+        Row("warp of 30,000 points, times faster than VTK", fresh["vtk"] / fresh["ours"], 10, "x", False, ours),
+        Row("a hand from 26 clicks", fresh["fit"] / 1e3, 0.5, "s", True),
     ]
 
 

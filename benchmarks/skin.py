@@ -261,7 +261,9 @@ def whole(hand: Any, network: Network) -> list[tuple[str, float, float, str, boo
         with ThreadPoolExecutor(workers) as pool:
             list(pool.map(lambda _: one_by_one(), range(4)))
 
-    best = interleaved({"play": play, "one by one": one_by_one, "substeps": substeps, "one": lambda: hands(1), "two": lambda: hands(2)}, 10)
+    # Many rounds: the second core must be free in one of them.
+    best = interleaved({"play": play, "one by one": one_by_one, "substeps": substeps}, 40)
+    best |= interleaved({"one": lambda: hands(1), "two": lambda: hands(2)}, 6)
     return [
         (
             "whole hand frame / its skin substeps",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 
 import numpy as np
@@ -65,6 +66,4 @@ def measured() -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    found = measured()
-    print({name: f"{value:.3f} ms" for name, value in found.items()})
-    print(f"scipy / ours {found['scipy'] / found['ours']:.1f}, VTK / ours {found['vtk'] / found['ours']:.1f}")
+    print(json.dumps(measured()))
