@@ -71,7 +71,7 @@ def cpu(pids: list[int]) -> float:
 def played(page: Any) -> dict[str, float]:
     """Pictures a second and bytes a frame while the fist closes, over and over."""
     page.evaluate("handlab.send({ kind: 'play', clip: 'fist', loop: true })")
-    page.wait_for_timeout(300)
+    page.wait_for_function("handlab.frame().clip && handlab.frame().time > 0.1")
     counted: dict[str, float] = page.evaluate(COUNT)
     return counted
 

@@ -204,6 +204,7 @@ class PaintPage {
   // ---- between page and host: one message on its way at a time, the newest next
 
   async update() {
+    this.updates = (this.updates ?? 0) + 1;
     this.dirty = true;
     if (this.sending) return;
     this.sending = true;
@@ -263,10 +264,12 @@ class PaintPage {
     else this.say(reply.said ?? reply.text, reply.good ? "good" : "told");
   }
 
-  async asked(message) { // what was just typed counts
+  async asked(message) { // what was just typed counts; what is changed while that is on its way takes the wish back
     document.activeElement?.blur?.();
-    await this.update();
-    while (this.sending) await new Promise((done) => setTimeout(done, 20));
+    const done = this.update(), mine = this.updates;
+    await done;
+    while (this.sending) await new Promise((go) => setTimeout(go, 20));
+    if (this.updates !== mine) return { good: false, text: "" };
     const text = this.refused ?? Object.values(this.troubles).join(" ");
     if (text) return { good: false, text };
     return this.transport.ask(message);
@@ -274,7 +277,7 @@ class PaintPage {
 
   // ---- the hand's own words
 
-  say(text, kind = "bad") { this.kind = kind; this.message.textContent = text; this.message.hidden = false; this.message.classList.toggle("good", kind === "good"); }
+  say(text, kind = "bad") { if (!text) return; this.kind = kind; this.message.textContent = text; this.message.hidden = false; this.message.classList.toggle("good", kind === "good"); }
   hush() { this.kind = null; this.message.hidden = true; }
 
   show() {
