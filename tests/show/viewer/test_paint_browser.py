@@ -93,7 +93,7 @@ def test_clicks_become_points_where_they_were_made_and_the_muscle_appears(user, 
     user.settled("p.told.muscle")
     assert off(user, wanted) < 1e-4
     assert user.panel.grid.triangle.shape == (5, 2)
-    assert user.page.locator("svg circle").count() == 6
+    user.page.wait_for_function("document.querySelectorAll('svg circle').length === 6")  # drawn with the next picture
     assert user.page.locator("svg text").all_text_contents() == ["row 1", "row 2", "row 3"]
     assert user.ask("hand.fleshShown()")[1] > 0
     assert "fitted in" in user.page.inner_text(".hp-facts")
