@@ -8,6 +8,8 @@ function columns(S, at, out) {
   out[6] = 2 * (x * z + w * y); out[7] = 2 * (y * z - w * x); out[8] = 1 - 2 * (x * x + y * y);
 }
 
+const BESIDE = 0.002; // m: a tendon's line is seldom lifted further out of bone
+
 export class Flesh {
   // `layers`: unpacked like a scene; `unit`: metres of one step of a segment's place.
   constructor(layers, unit) {
@@ -137,33 +139,46 @@ export class Flesh {
 
   // Out of the bone, as `tendon_kernel.lifted` does it.
   liftTendon(t, M, via, line) {
-    const A = this.layers.arrays, centre = new Float64Array(3 * t.balls), reach = new Float64Array(t.balls);
+    const A = this.layers.arrays, C = A.ball_centre, half = this.layers.half_unit, unit = this.unit, count = t.rows - 2;
+    let near = 0; // balls that the line may touch: what it is lifted by is less than BESIDE
+    if (!this.balls || this.balls.length < 6 * t.balls) this.balls = new Float64Array(6 * t.balls);
+    const B = this.balls;
     for (let b = 0; b < t.balls; b++) {
-      const m = 12 * A.ball_body[t.ball + b], c = 3 * (t.ball + b), C = A.ball_centre;
-      for (let x = 0; x < 3; x++) {
-        const k = m + 4 * x;
-        centre[3 * b + x] = this.unit * (M[k] * C[c] + M[k + 1] * C[c + 1] + M[k + 2] * C[c + 2]) + M[k + 3];
+      const m = 12 * A.ball_body[t.ball + b], c = 3 * (t.ball + b), p = C[c], q = C[c + 1], w = C[c + 2];
+      const x = unit * (M[m] * p + M[m + 1] * q + M[m + 2] * w) + M[m + 3];
+      const y = unit * (M[m + 4] * p + M[m + 5] * q + M[m + 6] * w) + M[m + 7];
+      const z = unit * (M[m + 8] * p + M[m + 9] * q + M[m + 10] * w) + M[m + 11];
+      const reach = A.ball_radius[t.ball + b] * half + t.radius, far = (reach + BESIDE) * (reach + BESIDE);
+      const first = 3 * Math.max(A.ball_first[t.ball + b], 1), last = 3 * Math.min(A.ball_last[t.ball + b], count);
+      for (let r = first; r <= last; r += 3) {
+        const u = line[r] - x, v = line[r + 1] - y, h = line[r + 2] - z;
+        if (u * u + v * v + h * h >= far) continue;
+        B[near] = x; B[near + 1] = y; B[near + 2] = z; B[near + 3] = reach * reach; B[near + 4] = first; B[near + 5] = last;
+        near += 6;
+        break;
       }
-      reach[b] = A.ball_radius[t.ball + b] * this.layers.half_unit + t.radius;
     }
-    const first = (b) => 3 * Math.max(A.ball_first[t.ball + b], 1), last = (b) => 3 * Math.min(A.ball_last[t.ball + b], t.rows - 2);
+    if (!near) return;
     const up = new Float64Array(line.length), way = new Float64Array(3);
     for (let v = 0; v < t.vias; v++) {
       const m = 12 * A.via_body[t.via + v], u = 3 * (t.via + v);
       for (let x = 0; x < 3; x++) way[x] = M[m + 4 * x] * A.via_up[u] + M[m + 4 * x + 1] * A.via_up[u + 1] + M[m + 4 * x + 2] * A.via_up[u + 2];
-      for (let r = 0; r < t.rows; r++) for (let x = 0; x < 3; x++) up[3 * r + x] += A.spread[t.weight + r * t.vias + v] * way[x];
+      for (let r = 0; r < t.rows; r++) {
+        const g = A.spread[t.weight + r * t.vias + v];
+        if (g) for (let x = 0; x < 3; x++) up[3 * r + x] += g * way[x];
+      }
     }
     for (let r = 0; r < up.length; r += 3) {
-      const s = 1 / Math.hypot(up[r], up[r + 1], up[r + 2]);
+      const s = 1 / Math.sqrt(up[r] * up[r] + up[r + 1] * up[r + 1] + up[r + 2] * up[r + 2]);
       up[r] *= s; up[r + 1] *= s; up[r + 2] *= s;
     }
     const before = line.slice(), moved = new Float64Array(line.length);
     const { lifts } = this.layers;
     for (let turn = 0; turn < lifts; turn++) {
-      for (let b = 0; b < t.balls; b++) {
-        const c = 3 * b, own = reach[b] * reach[b], end = last(b);
-        for (let r = first(b); r <= end; r += 3) {
-          const x = line[r] - centre[c], y = line[r + 1] - centre[c + 1], z = line[r + 2] - centre[c + 2], square = x * x + y * y + z * z;
+      for (let b = 0; b < near; b += 6) {
+        const bx = B[b], by = B[b + 1], bz = B[b + 2], own = B[b + 3], end = B[b + 5];
+        for (let r = B[b + 4]; r <= end; r += 3) {
+          const x = line[r] - bx, y = line[r + 1] - by, z = line[r + 2] - bz, square = x * x + y * y + z * z;
           if (square >= own) continue;
           let s = 1 / Math.max(Math.sqrt(square), 1e-6);
           const share = 1 + s * (x * up[r] + y * up[r + 1] + z * up[r + 2]);
