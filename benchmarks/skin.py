@@ -271,7 +271,7 @@ def whole(hand: Any, network: Network) -> list[tuple[str, float, float, str, boo
             1.15,
             "x",
             True,
-            f"{1e3 * best['play'] / count:.2f} ms; the skeleton a frame ahead on the second core",
+            f"{1e3 * best['play'] / count:.2f} ms; the skeleton some frames ahead on the second core",
         ),
         (
             "the same, all on one core",

@@ -13,7 +13,8 @@ from handlab.check.own_lines import compare, values
 from handlab.check.spring_nets import MASS, STIFFNESS, fewest, network, row_limit_ms, saving, single_limit_ms, stiff_alone
 from handlab.check.verdict import Open, Wrong, is_open
 from handlab.physics.springs import leapfrog, spring_force
-from handlab.simulation.soft_skin import TISSUE, YOUNG
+from handlab.simulation.hairy_skin import TISSUE
+from handlab.simulation.soft_skin import YOUNG
 from handlab.studies import shaking
 
 EXERCISES = Exercises("07")

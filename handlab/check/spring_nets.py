@@ -9,7 +9,8 @@ import numpy as np
 from handlab.anatomy.records import Array
 from handlab.check.answers import reference
 from handlab.physics.springs import stable_step
-from handlab.simulation.soft_skin import TISSUE, YOUNG, Network, soft_skin
+from handlab.simulation.hairy_skin import TISSUE
+from handlab.simulation.soft_skin import YOUNG, Network, soft_skin
 from handlab.studies import shaking
 
 MASS, STIFFNESS = 1e-4, 2.0  # kg, N/m: of the single mass and of the row

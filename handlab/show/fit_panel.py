@@ -17,10 +17,8 @@ from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks, read
 from handlab.show.fit_keepsakes import keepsake
 from handlab.show.fit_room import FitRoom
-from handlab.show.module import joined
+from handlab.show.module import FIT, joined
 from handlab.show.room_widget import RoomPage
-
-MODULE = ("fit.js",)
 
 
 class FitPanel:
@@ -171,7 +169,7 @@ class FitPanel:
     @cached_property
     def page(self) -> RoomPage:
         """The page to click on."""
-        return RoomPage(joined(MODULE), "fit", self._asked, height=self.height)
+        return RoomPage(joined(FIT), "fit", self._asked, height=self.height)
 
     @cached_property
     def widget(self) -> Any:

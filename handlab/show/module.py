@@ -7,8 +7,10 @@ from functools import cache
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-PARTS = ("flesh.js", "lean.js", "hand3d.js", "plots.js", "style.js", "recorded.js", "viewer.js")  # each imports only what stands before it
-PAINT = ("flesh.js", "lean.js", "hand3d.js", "style.js", "paint.js")
+# each imports only what stands before it
+PARTS = ("flesh.js", "lean.js", "hand3d.js", "nodes.js", "plots.js", "style.js", "recorded.js", "viewer.js")
+PAINT = ("flesh.js", "lean.js", "hand3d.js", "nodes.js", "drawing.js", "style.js", "paint.js")
+FIT = ("nodes.js", "drawing.js", "fit.js")
 ENTRY = "viewer.js"
 OWN_IMPORT = re.compile(r'^import \{[^}]*\} from "\./[a-z0-9]+\.js";\n', flags=re.MULTILINE)
 

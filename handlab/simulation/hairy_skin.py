@@ -10,7 +10,8 @@ from handlab.simulation.bone_frames import BoneFrames
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import normals
 
-LOOSE = 4.77e3 / 15e3  # its stiffness over that below the palm: 4.77 kPa within seconds (rats: Iatridis, Wu, Yandow, Langevin 2003)
+TISSUE = 15e3  # Pa, fat in chambers of fibre below the palm's skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
+LOOSE = 4.77e3 / TISSUE  # below hairy skin: 4.77 kPa within seconds (rats: Iatridis, Wu, Yandow, Langevin 2003)
 EDGE = 0.5  # cosine to the palmar direction at which skin is all of one kind; in between, along the sides, it changes evenly: assumption
 
 

@@ -193,7 +193,7 @@ def frames(
 ) -> Iterator[Frame]:
     """The frames of ``frame``, ``dt`` seconds apart, for contractions (T, muscle) that are known beforehand.
 
-    The skin does not act back on the bones, so the skeleton is a frame ahead of it, on another thread.
+    The skin does not act back on the bones, so the skeleton is up to ``AT_ONCE`` frames ahead of it, on another thread.
     """
     values, held = np.asarray(contraction, dtype=np.float64), held_coordinates(hand, hold)
     y, speed, soft = before

@@ -24,7 +24,7 @@ from handlab.physics.springs import (
     substeps,
 )
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
-from handlab.simulation.hairy_skin import firmness
+from handlab.simulation.hairy_skin import TISSUE, firmness
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import packed
 from handlab.simulation.soft_skin_kernel import Node
@@ -32,7 +32,6 @@ from handlab.simulation.soft_ties import Ties, ties_of
 from handlab.simulation.surface_graph import diffused, edge_areas, edges_of, face_normals, node_areas
 
 YOUNG = 100e3  # Pa, skin in tension: the order of most measurements in vivo
-TISSUE = 15e3  # Pa, fat in chambers of fibre below the palm's skin: assumption, between fat (a few kPa) and resting muscle (tens of kPa)
 THICKNESS = 0.0015  # m, epidermis and dermis, between the back of the hand (about 1) and the palm (about 2): assumption
 DENSITY = 1100.0  # kg/m^3
 PRESTRETCH = 0.03  # skin of the resting hand is taut by this much (cut skin gapes): assumption, at the low end

@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.physics.muscle import muscle_force
 from handlab.simulation.geometric_kernel import first_hit
-from handlab.simulation.hairy_skin import loose
+from handlab.simulation.hairy_skin import TISSUE, loose
 from handlab.simulation.mechanics import fibre_lengths
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import normals
-from handlab.simulation.soft_skin import THICKNESS, TISSUE, YOUNG
+from handlab.simulation.soft_skin import THICKNESS, YOUNG
 from handlab.simulation.tendons import SAMPLES, Course, courses
 
 BAND = 0.002  # m: half the width of a tendon, which is a flat band there, not the round tube that is drawn: assumption

@@ -6,29 +6,17 @@
 //   a reload (none: the host keeps them), close(): leaves the page (none: there is nowhere to go) }
 // All places are pixels of the photograph. The page holds the clicks, sends all of them after every change, and never waits for the answer.
 
+import { draw } from "./drawing.js";
+import { make } from "./nodes.js";
+
 const NEAR = 10, NEAR_TOUCH = 22, STILL = 4; // px on the screen: within which a mark is taken hold of; that a click may wander
 const LOUPE = 150, LARGER = 3, NUDGE = 0.5;
-const SVG = "http://www.w3.org/2000/svg";
 const STEPS = ["photo", "scale", "points", "hand"];
 const CHAPTERS = { photo: "Photograph", scale: "Scale", points: "Points", hand: "Your hand" };
 const FINGERS = ["thumb", "index", "middle", "ring", "little"];
 const BONES = ["metacarpal", "proximal phalanx", "middle phalanx", "distal phalanx"];
 const LARGEST = 120e6; // bytes
 
-const make = (tag, properties = {}, ...children) => {
-  const { data, aria, ...plain } = properties;
-  const node = Object.assign(document.createElement(tag), plain);
-  for (const [key, value] of Object.entries(data || {})) node.dataset[key] = value;
-  for (const [key, value] of Object.entries(aria || {})) node.setAttribute(key === "role" ? key : `aria-${key}`, value);
-  node.append(...children.filter((child) => child !== null && child !== undefined));
-  return node;
-};
-const draw = (tag, attributes = {}, ...children) => {
-  const node = document.createElementNS(SVG, tag);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  node.append(...children);
-  return node;
-};
 const push = (text, onclick, more = {}) => make("button", { type: "button", textContent: text, onclick, ...more });
 const empty = () => ({ landmarks: {}, scale: {}, view: null, side: null, camera_mm: null, sure: false, mirror: false });
 const percent = (share) => `${Math.round(100 * share)} %`;

@@ -7,6 +7,8 @@
 // Points are metres on the skin of the stored posture. The page holds them, sends all of them after every change, and never waits.
 
 import { Hand3D, rayTriangles, unpackScene } from "./hand3d.js";
+import { draw } from "./drawing.js";
+import { make } from "./nodes.js";
 import { STYLE } from "./style.js";
 
 const NEAR = 9, NEAR_TOUCH = 22, STILL = 4; // px: within which a point is taken hold of; that a click may wander
@@ -17,21 +19,7 @@ const MEANT = {
   "thickness, mm": "never thinner, never thicker", "skin distance, mm": "how deep below the skin it lies: one number, or one for each row, such as 6, 3, 2", "contract it": "the hand keeps its posture: the belly takes what the ends give",
 };
 const SKINS = ["translucent", "solid", "mesh"];
-const SVG = "http://www.w3.org/2000/svg";
 
-const make = (tag, properties = {}, ...children) => {
-  const { data, aria, ...plain } = properties;
-  const node = Object.assign(document.createElement(tag), plain);
-  for (const [key, value] of Object.entries(data || {})) node.dataset[key] = value;
-  for (const [key, value] of Object.entries(aria || {})) node.setAttribute(key === "role" ? key : `aria-${key}`, value);
-  node.append(...children.filter((child) => child !== null && child !== undefined));
-  return node;
-};
-const draw = (tag, attributes = {}) => {
-  const node = document.createElementNS(SVG, tag);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  return node;
-};
 const push = (text, onclick, more = {}) => make("button", { type: "button", textContent: text, onclick, className: "hl-btn", ...more });
 const opened = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const spaced = (name) => name.replaceAll("_", " ");

@@ -7,6 +7,7 @@
 // options: { skin, bones, view, layers: ["muscles", "tendons"], panels: false, embedded: true (a wheel scrolls the page until the hand is clicked), play: clip name }
 
 import { Hand3D, asBytes, unpackFrame, unpackScene } from "./hand3d.js";
+import { make } from "./nodes.js";
 import { MOST_LINES, Track, drawCurves } from "./plots.js";
 import { STYLE } from "./style.js";
 
@@ -23,14 +24,6 @@ const LOCK = '<svg class="open" viewBox="0 0 16 16" aria-hidden="true"><path d="
   + '<svg class="shut" viewBox="0 0 16 16" aria-hidden="true"><path d="M11 7V4.5a3 3 0 0 0-6 0V7H3v8h10V7zM6.5 7V4.5a1.5 1.5 0 0 1 3 0V7z"/></svg>';
 const EXPORTS = { png: "Picture (.png)", mp4: "Film (.mp4)", gif: "Moving picture (.gif)", glb: "3D, animated (.glb)", html: "Page that plays (.html)", csv: "Table (.csv)" };
 
-function make(tag, properties = {}, ...children) {
-  const { data, aria, ...plain } = properties;
-  const node = Object.assign(document.createElement(tag), plain);
-  for (const [key, value] of Object.entries(data || {})) node.dataset[key] = value;
-  for (const [key, value] of Object.entries(aria || {})) node.setAttribute(`aria-${key}`, value);
-  node.append(...children);
-  return node;
-}
 const button = (text, click, properties = {}) => make("button", { type: "button", textContent: text, onclick: click, ...properties });
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 const press = (node, on) => { const text = String(on); if (node.getAttribute("aria-pressed") !== text) node.setAttribute("aria-pressed", text); };
