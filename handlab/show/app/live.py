@@ -1,8 +1,4 @@
-"""Between the browser and the session: messages in, frames out, no faster than each page can draw.
-
-Every page has a credit. A frame costs one, and the page gives it back when it has the frame. A page without credit (a tab in
-the background, a slow line) misses frames and gets the newest one when it is back: nothing ever queues up.
-"""
+"""Between the browser and the session: messages in, frames out (``frames``), no faster than the pages can draw."""
 
 from __future__ import annotations
 
@@ -15,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from wslink import register
 from wslink.websocket import LinkProtocol
 
+from handlab.show.app.frames import Frames
 from handlab.show.outfits import BLEND
 
 if TYPE_CHECKING:
@@ -26,7 +23,6 @@ if TYPE_CHECKING:
 RATE = 60.0  # frames per second at most
 SHORTEST = 0.004  # s between two steps, however many messages come
 PATIENCE = 0.08  # s between two steps while every page still draws: less than the longest step of a session
-CREDIT = 2  # frames on their way to a page at once: one travels while the other is drawn
 PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
 
 PREPARE_AFTER = 0.5  # s: the page draws the hand first
@@ -46,9 +42,7 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
         self.web: Any = None  # wslink's server, once it is there
         self._complain = complain
         self._fulfil = fulfil
-        self._credit: dict[str, int] = {}
-        self._behind: set[str] = set()
-        self._last: bytes | None = None
+        self.frames = Frames(self._looked)
         self._wake = asyncio.Event()
         self._work: set[asyncio.Task[None]] = set()
         self._preparing = False
@@ -57,27 +51,12 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
         """Whether a page knows the key."""
         return self.guard.knows(token)
 
-    def onClose(self, client_id: str) -> None:
-        """Forget a page that is gone. Without pages nothing is computed."""
-        self._credit.pop(client_id, None)
-        self._behind.discard(client_id)
-
-    @called("handlab.ready")
-    def ready(self, fresh: bool = False) -> None:
-        """A page has a frame; with ``fresh`` it has just come and wants the first."""
-        page = self.web.last_active_client_id
-        if fresh is True:
-            self._credit[page] = CREDIT
-            if self.session is not None:
-                self.session.refresh()
-                self._wake.set()
-                self._dress()
-        elif page in self._credit:
-            if not any(self._credit.values()):
-                self._wake.set()
-            self._credit[page] = min(self._credit[page] + 1, CREDIT)
-            if page in self._behind and self._last is not None:
-                self._send_to(page, self._last)
+    def _looked(self, fresh: bool) -> None:
+        """A page can take a frame; with ``fresh`` it has just come and wants the first."""
+        if fresh and self.session is not None:
+            self.session.refresh()
+            self._dress()
+        self._wake.set()
 
     @called("handlab.message")
     def receive(self, message: Any = None) -> None:
@@ -98,10 +77,9 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
 
     def change(self, session: Session) -> None:
         """Another hand: every page fetches it anew."""
-        self.session, self._last, self._preparing = session, None, False
-        self._credit.clear()
-        self._behind.clear()
+        self.session, self._preparing = session, False
         self.tell({"kind": "hand"})
+        self._start(self.frames.close())
 
     def paint(self, hand: Hand, grid: MuscleGrid) -> None:
         """The hand goes on with a painted muscle, in every page."""
@@ -155,21 +133,8 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
             reply = {"kind": "answer", "good": False, "text": f"no .{wish.format}: {sentence}"}
         self.tell(reply, page)
 
-    def _send_to(self, page: str, frame: bytes) -> None:
-        self._credit[page] -= 1
-        self._behind.discard(page)
-        self.publish("handlab.frame", frame, client_id=page)
-
-    def _send(self, frame: bytes) -> None:
-        self._last = frame
-        for page in list(self._credit):
-            if self._credit[page] > 0:
-                self._send_to(page, frame)
-            else:
-                self._behind.add(page)
-
     def _tick(self, dt: float) -> bytes | None:
-        if self.session is None or not self._credit:
+        if self.session is None or not self.frames.watched:
             return None
         try:
             frame = self.session.tick(dt)
@@ -183,7 +148,7 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
     async def play(self, session: Session) -> None:
         """Ask the session for frames while something moves and someone looks; otherwise sleep until a message comes."""
         self.session = session
-        if self._credit:
+        if self.frames.watched:
             self._dress()  # a page was there before the hand
         before = due = time.perf_counter()
         while True:
@@ -196,10 +161,10 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
                 due = time.perf_counter()
                 before = due - 1.0 / RATE  # the first frame after a pause shows motion already
                 continue
-            self._send(frame)
+            self.frames.send(frame)
             due = max(due + 1.0 / RATE, now)
             await self._pause(due)
-            if self._credit and not any(self._credit.values()):
+            if self.frames.watched and not self.frames.wanted:
                 await self._pause(time.perf_counter() + PATIENCE)  # nobody would see the next frame: its work is for the pages
 
     async def _pause(self, due: float) -> None:

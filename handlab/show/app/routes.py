@@ -92,6 +92,7 @@ def routes(app: App) -> list[RouteDef]:
         web.get("/handlab/icon.svg", icon),
         web.get("/handlab/static/{name}", static),
         web.get("/handlab/data/scene", scene),
+        web.get("/handlab/data/frames", app.live.frames.page),
         web.get("/handlab/data/file/{word}", file),
         web.post("/handlab/data/fit/{word}", app.own_hands.ask),
         web.post("/handlab/data/paint/{word}", app.paint_rooms.ask),

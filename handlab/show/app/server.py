@@ -75,6 +75,8 @@ class App:
                     task.result()  # raises what ended it
         finally:
             with suppress(Exception):
+                await asyncio.wait_for(self.live.frames.close(), 1.0)
+            with suppress(Exception):
                 await asyncio.wait_for(self._server.stop(), 3.0)
             for task in tasks:
                 task.cancel()

@@ -19,18 +19,32 @@ function say(sentence, again) {
   document.body.append(box);
 }
 
+const ended = () => say("The connection to handlab has ended.", () => location.reload());
+
 /** What the viewer talks to: frames are ArrayBuffers, everything else plain objects. */
 function transport(session, secret, own, painter) {
   const listeners = new Set();
   const tell = (message) => listeners.forEach((listener) => listener(message));
   const call = (name, args) => session.call(name, args).catch((error) => tell({ kind: "answer", good: false, text: String(error?.message ?? error) }));
   const headers = { "X-Handlab-Key": secret };
+  let frames = null;
 
-  session.subscribe("handlab.frame", ([bytes]) => {
-    tell(bytes instanceof Uint8Array ? bytes.slice().buffer : bytes);
-    // The host sends the next frame only after this: a slow page, or one in the background, skips frames and never lags behind.
-    requestAnimationFrame(() => call("handlab.ready", []));
-  });
+  /** Frames on a socket of their own, as long as someone listens. */
+  function look() {
+    const address = new URL(`handlab/data/frames?secret=${encodeURIComponent(secret)}`, location.href);
+    address.protocol = address.protocol.replace("http", "ws");
+    const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }) => {
+      if (socket !== frames) return; // of the hand before
+      tell(data);
+      // The host sends the next frame only after this: a slow page, or one in the background, skips frames and never lags behind.
+      requestAnimationFrame(() => socket.readyState === WebSocket.OPEN && socket.send("drawn"));
+    };
+    socket.onclose = ({ wasClean }) => { if (!wasClean && socket === frames) ended(); };
+    return socket;
+  }
+
   session.subscribe("handlab.note", async ([note]) => (note.kind === "hand" ? show() : tell(note.address ? await fetched(note) : note)));
 
   /** A file reply with its content: big files come by another road than the frames, which must not wait for them. */
@@ -56,8 +70,13 @@ function transport(session, secret, own, painter) {
     paintMuscle: () => painter.open(),
     onMessage(callback) {
       listeners.add(callback);
-      if (listeners.size === 1) call("handlab.ready", [true]);
-      return () => listeners.delete(callback);
+      frames ??= look();
+      return () => {
+        listeners.delete(callback);
+        if (listeners.size) return;
+        frames.close();
+        frames = null;
+      };
     },
   };
 }
@@ -177,7 +196,7 @@ element.style.cssText = "position:fixed;inset:0;background:#fff";
 document.body.append(element);
 
 const client = window.trame.client;
-client.onConnectionClose(() => say("The connection to handlab has ended.", () => location.reload()));
+client.onConnectionClose(ended);
 const secret = sessionStorage.getItem("handlab-key") ?? "";
 const host = transport(client.getConnection().getSession(), secret, ownHand(secret), painter(secret));
 

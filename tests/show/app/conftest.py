@@ -81,7 +81,7 @@ class Page:
     """
 
     def __init__(self, socket, draws):
-        self.socket, self.draws = socket, draws
+        self.socket, self.looking, self.draws = socket, None, draws
         self.frames, self.notes, self.answers = [], [], {}
         self.calls = 0
         self.name = "c0"
@@ -98,15 +98,25 @@ class Page:
                 continue
             content = msgpack.unpackb(parts.pop(number))
             kind, *rest = content["id"].split(":")
-            if kind == "publish" and rest[0] == "handlab.frame":
-                self.frames.append(content["result"])
-                if self.draws:
-                    with contextlib.suppress(ConnectionError):  # the test is over
-                        await self.call("handlab.ready")
-            elif kind == "publish" and rest[0] == "handlab.note":
+            if kind == "publish" and rest[0] == "handlab.note":
                 self.notes.append(content["result"])
             else:
                 self.answers[content["id"]] = content
+
+    async def look(self, socket):
+        """Take frames from a socket of their own."""
+        self.looking, self.looker = socket, asyncio.ensure_future(self._look())
+
+    async def _look(self):
+        async for message in self.looking:
+            self.frames.append(message.data)
+            if self.draws:
+                with contextlib.suppress(ConnectionError):  # the test is over
+                    await self.drawn()
+
+    async def drawn(self):
+        """A frame was drawn."""
+        await self.looking.send_str("drawn")
 
     async def call(self, method, *arguments, system=False):
         """Send a call and return the word under which its answer comes."""
@@ -144,7 +154,9 @@ async def joined(http_session, served, *, draws=True, key=None, **headers):
     if "result" in hello:
         page.name = hello["result"]["clientID"]
         served.get("/handlab/data/scene", key=served.key)
-        await page.answer("handlab.ready", True)
+        address = f"ws://{served.host}:{served.port}/handlab/data/frames?secret={served.key}"
+        await page.look(await http_session.ws_connect(address, headers=headers))
+        await page.until(lambda: page.frames)
     page.hello = hello
     return page
 

@@ -90,6 +90,31 @@ def test_the_socket_refuses_a_foreign_origin(served, join, converse):
     converse(work)
 
 
+@pytest.mark.parametrize(("key", "headers"), [("", {}), ("wslink-secret", {}), (None, {"Origin": "https://evil.example"})])
+def test_the_socket_of_frames_refuses_a_wrong_key_and_a_foreign_origin(served, converse, key, headers):
+    async def work(http_session):
+        import aiohttp
+
+        address = f"ws://{served.host}:{served.port}/handlab/data/frames?secret={served.key if key is None else key}"
+        with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+            await http_session.ws_connect(address, headers=headers)
+        assert refused.value.status == 403
+
+    converse(work)
+
+
+def test_a_page_that_sends_nonsense_for_a_drawn_frame_loses_its_frames_and_nothing_else(served, join, converse):
+    async def work(http_session):
+        loud, calm = await join(http_session, served), await join(http_session, served)
+        await loud.looking.send_bytes(bytes(100_000))
+        await loud.until(lambda: loud.looking.closed)
+        await calm.send({"kind": "play", "clip": "fist"})
+        count = len(calm.frames)
+        await calm.until(lambda: len(calm.frames) > count + 5)
+
+    converse(work)
+
+
 def test_the_key_stands_in_no_command_line(served):
     assert served.key not in subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
 
@@ -268,7 +293,7 @@ def test_a_page_that_draws_nothing_gets_two_frames_and_the_newest_when_it_is_bac
         assert len(quick.frames) > 25
         await quick.send({"kind": "pause"})
         await asyncio.sleep(0.2)
-        await slow.call("handlab.ready")
+        await slow.drawn()
         await slow.until(lambda: slow.frames[-1] == quick.frames[-1])
 
     converse(work)
@@ -282,7 +307,8 @@ def test_a_page_that_goes_away_in_mid_clip_stops_the_work_and_nothing_else(serve
         page = await join(http_session, served)
         await page.send({"kind": "play", "clip": "fist"})
         await page.until(lambda: len(page.frames) > 10 and time_of(page.frames[-1]) > 0.1)
-        page.socket._response.connection.transport.abort()  # as a browser that was killed: no goodbye
+        for socket in (page.socket, page.looking):
+            socket._response.connection.transport.abort()  # as a browser that was killed: no goodbye
         return time_of(page.frames[-1])
 
     left = converse(leave)
