@@ -189,13 +189,18 @@ def swollen(centre: Array, arm: Array, stretch: Array, depth: Array, swelling: f
 @compiled
 def planes(turn: Array, faces: Node, normal: Array, plane: Array) -> None:
     """``plane`` (3, M) receives the rest normals ``normal`` (M, 3), carried by the mean of the corners' rotations ``turn`` (4, n)."""
-    for f in range(faces.shape[0]):
+    count = faces.shape[0]
+    mean = np.empty((4, count))
+    for f in range(count):
         i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
         w, x, y, z = turn[0, i], turn[1, i], turn[2, i], turn[3, i]
         g = math.copysign(1.0, w * turn[0, j] + x * turn[1, j] + y * turn[2, j] + z * turn[3, j])
         w, x, y, z = w + g * turn[0, j], x + g * turn[1, j], y + g * turn[2, j], z + g * turn[3, j]
         g = math.copysign(1.0, w * turn[0, k] + x * turn[1, k] + y * turn[2, k] + z * turn[3, k])
         w, x, y, z = w + g * turn[0, k], x + g * turn[1, k], y + g * turn[2, k], z + g * turn[3, k]
+        mean[0, f], mean[1, f], mean[2, f], mean[3, f] = w, x, y, z
+    for f in range(count):  # a loop of its own does several triangles at once
+        w, x, y, z = mean[0, f], mean[1, f], mean[2, f], mean[3, f]
         p, q, r = normal[f, 0], normal[f, 1], normal[f, 2]
         a, b, c = y * r - z * q + w * p, z * p - x * r + w * q, x * q - y * p + w * r
         g = 2.0 / (w * w + x * x + y * y + z * z)

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from math import exp
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from handlab.anatomy.records import Array, Hand
+from handlab.simulation import soft_frame_kernel as frame_kernel
 from handlab.simulation import soft_skin_kernel as kernel
+from handlab.simulation.bone_field import bone_field
 from handlab.simulation.laws import SOUND, Laws
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.skeleton import contraction_of, held_coordinates, integrate, substeps_of
 from handlab.simulation.skin import blend_into
-from handlab.simulation.soft_anchors import SKINS, Anchors, Below, Skin, anchors, below
-from handlab.simulation.soft_limits import limited
+from handlab.simulation.soft_anchors import COLUMN, COLUMN_REACH, SKINS, Anchors, Below, Skin, anchors, below
+from handlab.simulation.soft_limits import BONE_ROUNDS, LEAST_SHADOW, LONGEST, PASSES, ROUNDS, guard
 from handlab.simulation.soft_skin import PAIR_REST, Network, SoftSkin, balanced, tension
 
 T = TypeVar("T")
@@ -95,15 +96,18 @@ def pulled(hand: Hand, network: Network, soft: SoftSkin, under: Below, dt: float
         return blended(hand, network, under.transforms)
     swelling = soft.swelling + GAIN * (network.volume - soft.volume) / network.compliance
     swelling = min(max(swelling, SWELLING[0]), SWELLING[1])
-    after.swell(network, swelling)
-    # What limits moved in earlier frames, columns of tissue keep: springs that pulled back into the limits in every frame would flicker.
-    after.centre[...] += soft.push
-    position, velocity = advance(network, soft, after, dt)
-    free = position.copy()
-    faults = limited(hand, network, position, under.transforms, under.plane)
-    push = exp(-YIELDING * dt) * soft.push + (position - free)
-    normal = np.empty_like(position)
-    volume = kernel.volume_and_area(position, network.faces, normal)
+    held, field = guard(hand), bone_field(hand)
+    position, velocity, push, normal = soft.position.copy(), soft.velocity.copy(), soft.push.copy(), np.empty_like(soft.position)
+    faults, volume = frame_kernel.pulled(
+        position, velocity, push, normal, soft.centre, after.centre, after.arm, after.stretch,
+        network.depth, swelling, *COLUMN, COLUMN_REACH, PAIR_REST,
+        network.first, network.second, network.stiffness, network.rest, network.slack, network.hold, network.inverse_mass,
+        dt, network.substeps(dt), network.damping, YIELDING,
+        under.transforms, held.corner, held.body, held.clearance, held.group, held.near,
+        field.floor, field.value, field.start, field.size, field.origin, field.spacing,
+        network.longest, LONGEST, network.faces, network.fan_start, network.fan, under.plane, LEAST_SHADOW,
+        PASSES, ROUNDS, BONE_ROUNDS,
+    )  # fmt: skip
     return SoftSkin(position, velocity, after.centre, normal, swelling, volume, push, faults)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handlab.physics.compiled import compiled
-from handlab.simulation.soft_look_kernel import lacking, near_bone, touched
+from handlab.simulation.soft_look_kernel import beside, lacking, near_bone, touched
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -62,11 +62,16 @@ def unfold(position: Array, faces: Node, plane: Array, least: float, look: Node,
 
 
 @compiled
-def shorten(position: Array, first: Node, second: Node, rest: Array, most: float, last: Index, now: int) -> int:
-    """Pull the ends of edges together that are longer than ``most`` times ``rest`` (e,), in place, in turn; returns how many."""
+def shorten(position: Array, first: Node, second: Node, rest: Array, most: float, last: Index, since: int, now: int) -> int:
+    """Pull the ends of edges together that are longer than ``most`` times ``rest`` (e,), in place, in turn; returns how many.
+
+    Edges are passed over whose ends no pass has moved from ``since`` on.
+    """
     bad = 0
     for e in range(first.shape[0]):
         i, j = first[e], second[e]
+        if last[i] < since and last[j] < since:
+            continue
         x, y, z = position[0, j] - position[0, i], position[1, j] - position[1, i], position[2, j] - position[2, i]
         square = x * x + y * y + z * z
         longest = most * rest[e]
@@ -183,6 +188,8 @@ def limited(
     rest: Array,
     most: float,
     faces: Node,
+    fan_start: Node,
+    fan: Node,
     plane: Array,
     least: float,
     passes: int,
@@ -194,7 +201,8 @@ def limited(
     Later rounds look only at what has moved: passes are counted by ``now``, and ``last`` (n,) is the one that moved a node.
     """
     last, look = np.zeros(position.shape[1], np.int64), np.empty(1 + max(corner.shape[0], faces.shape[0]), np.uint32)
-    now, bones_at, faces_at, faults = 0, 0, 0, 0
+    mark = np.zeros((faces.shape[0] + 7) // 8 * 8, np.uint8)
+    now, bones_at, edges_at, faces_at, faults = 0, 0, 0, 0, 0
     for k in range(rounds):
         if k < bone_rounds:
             if k == 0:
@@ -207,12 +215,13 @@ def limited(
         long, faults = 0, 0
         for _ in range(passes):
             now += 1
-            bad = shorten(position, first, second, rest, most, last, now)
+            bad = shorten(position, first, second, rest, most, last, edges_at, now)
+            edges_at = now
             long += bad
             if bad == 0:
                 break
         for _ in range(passes):
-            many = lacking(position, faces, plane, least, look) if faces_at == 0 else touched(faces, last, faces_at, look)
+            many = lacking(position, faces, plane, least, look) if faces_at == 0 else beside(last, faces_at, fan_start, fan, mark, look)
             now += 1
             faces_at = now
             bad = unfold(position, faces, plane, least, look, many, last, now)

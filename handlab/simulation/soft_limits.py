@@ -14,7 +14,6 @@ from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.per_hand import per_hand
 from handlab.simulation.skin import blend
-from handlab.simulation.soft_skin import Network
 from handlab.simulation.soft_skin_kernel import Node
 
 LONGEST = 1.85  # times its rest length: no edge is longer at the end of a frame
@@ -40,35 +39,6 @@ class Guard(NamedTuple):
     clearance: Array
     group: Index
     near: NDArray[np.int16]
-
-
-def limited(hand: Hand, network: Network, position: Array, transforms: Array, plane: Array) -> int:
-    """Skin out of bone, no edge too long, no triangle inverted, in place; returns how many triangles stay inverted.
-
-    Inverted means against ``plane`` (3, M), the rest normals as the skin's own blend carries them.
-    """
-    field = bone_field(hand)
-    return limits.limited(
-        position,
-        transforms,
-        *guard(hand),
-        field.floor,
-        field.value,
-        field.start,
-        field.size,
-        field.origin,
-        field.spacing,
-        network.first,
-        network.second,
-        network.longest,
-        LONGEST,
-        network.faces,
-        plane,
-        LEAST_SHADOW,
-        PASSES,
-        ROUNDS,
-        BONE_ROUNDS,
-    )
 
 
 @per_hand

@@ -12,7 +12,6 @@ from math import isfinite
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand, Index, Mesh, frozen
-from handlab.physics.distance import closest
 from handlab.physics.springs import (
     column_stiffness,
     largest_frequency,
@@ -23,6 +22,7 @@ from handlab.physics.springs import (
     stiffness_matrix,
     substeps,
 )
+from handlab.simulation.bones_below import nearest_bone
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
 from handlab.simulation.hairy_skin import TISSUE, firmness
 from handlab.simulation.per_hand import per_hand
@@ -56,7 +56,7 @@ class Network:
     ``mass`` (n,) kg. Per node: ``points`` (n, 3), ``centre`` (n, 3) of its mirrored pair, ``arm`` (n, 3) from the centre away from the
     anchor, ``hold`` (n,) N/m of one of the two springs, ``depth`` (n,) m of the tissue column, ``area`` (n,) m^2 of the net of centres,
     ``degree`` (n,) edges; all move with the blend of bodies ``index``, ``weight`` (n, 4).
-    Per triangle: ``face_normal`` (M, 3), as long as twice its area.
+    Per triangle: ``face_normal`` (M, 3), as long as twice its area; those at node v are ``fan[fan_start[v]:fan_start[v + 1]]``.
     ``ties``: which nodes lie on which ellipsoids of ``muscles``. ``frequency`` rad/s: the highest of the net at rest.
     """
 
@@ -82,6 +82,8 @@ class Network:
     volume: float
     compliance: float
     face_normal: Array
+    fan_start: Node
+    fan: Node
     longest: Array
     ties: Ties
     muscles: GeometricMuscles | None
@@ -178,14 +180,6 @@ def anchor_weights(hand: Hand, edges: Index, depth: Array, nearest: Index) -> tu
     return packed(diffused(hand.skin, edges, wanted, pull / SMOOTHING))
 
 
-def bone_below(hand: Hand) -> tuple[Array, Array, Index]:
-    """Nearest place on bone (n, 3) of every skin point, its distance (n,) m, and the body (n,) of that bone."""
-    corners = np.concatenate([bone.points[bone.faces] for bone in hand.bones.values()])
-    body = np.concatenate([np.full(len(bone.faces), hand.body_names.index(bone.body)) for bone in hand.bones.values()])
-    distance, triangle, place = closest(hand.skin.points, np.ascontiguousarray(corners))
-    return place, distance, body[triangle]
-
-
 def _network(
     hand: Hand,
     muscles: GeometricMuscles,
@@ -203,7 +197,7 @@ def _network(
     length, area = np.linalg.norm(way, axis=1), node_areas(skin)
     stiffness = membrane_stiffness(young, thickness, edge_areas(skin, edges), length)
     rest, mass = length / (1.0 + prestretch), area * thickness * DENSITY
-    place, distance, nearest = bone_below(hand)
+    place, distance, nearest = nearest_bone(hand, points)
     ties, cover, foot = ties_of(skin, muscles, distance)
     below = place + cover[:, None] * (foot - place)
     arm = points - below
@@ -239,6 +233,8 @@ def _network(
         volume=skin.volume,
         compliance=float(area @ depth),
         face_normal=frozen(face_normals(skin)),
+        fan_start=frozen(np.concatenate([[0], np.cumsum(np.bincount(skin.faces.ravel(), minlength=len(points)))]), np.uint32),
+        fan=frozen(np.argsort(skin.faces.ravel(), kind="stable") // 3, np.uint32),
         longest=frozen(length),
         ties=ties,
         muscles=muscles,

@@ -91,11 +91,12 @@ def leapfrog(
 @compiled
 def framed(before: Array, centre: Array, arm: Array, share: float, anchor: Array) -> None:
     """Fill ``anchor`` (10, n) of ``leapfrog``: centres ``before`` and at the end, arms, and rest lengths, ``share`` of the arms."""
-    for i in range(centre.shape[1]):
-        for d in range(3):
+    for d in range(3):
+        for i in range(centre.shape[1]):
             anchor[d, i] = before[d, i]
             anchor[3 + d, i] = centre[d, i] - before[d, i]
             anchor[6 + d, i] = arm[d, i]
+    for i in range(centre.shape[1]):
         anchor[9, i] = share * math.sqrt(arm[0, i] ** 2 + arm[1, i] ** 2 + arm[2, i] ** 2)
 
 

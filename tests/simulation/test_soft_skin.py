@@ -18,7 +18,7 @@ from handlab.simulation.play import simulate
 from handlab.simulation.skin import blend
 from handlab.simulation.soft_anchors import anchors, below
 from handlab.simulation.soft_frame import AT_ONCE, ahead, at_bind, begin, first_frame, follow, frame, frames
-from handlab.simulation.soft_look_kernel import lacking, near_bone, touched
+from handlab.simulation.soft_look_kernel import beside, lacking, near_bone, touched
 from handlab.simulation.soft_skin import PAIR_REST, soft_skin
 from handlab.simulation.surface_graph import edges_of
 
@@ -211,8 +211,27 @@ def test_the_first_look_misses_nothing_that_lacks(hand, network, rng):
     assert 2 < len(few) < 300
     last = np.zeros(len(network.points), np.int64)
     last[[4, 70]] = 3, 2
-    found = look[: touched(network.faces, last, 3, look)]
-    np.testing.assert_array_equal(found, np.flatnonzero((network.faces == 4).any(axis=1)))
+    mine = np.flatnonzero((network.faces == 4).any(axis=1))
+    np.testing.assert_array_equal(look[: touched(network.faces, last, 3, look)], mine)
+    mark = np.zeros(8 * (len(network.faces) // 8 + 1), np.uint8)
+    np.testing.assert_array_equal(look[: beside(last, 3, network.fan_start, network.fan, mark, look)], mine)
+    assert not mark.any()
+
+
+def test_edges_are_passed_over_only_if_nothing_moved_their_ends(network):
+    """However the net is torn: passes that heed what moved do, to the last bit, what passes over all edges do."""
+    rng = np.random.default_rng(3)
+    heedful = np.ascontiguousarray(network.points.T)
+    for node in rng.integers(0, heedful.shape[1], 5):
+        heedful[:, node] += rng.normal(0.0, 0.02, 3)
+    plain, edges = heedful.copy(), (network.first, network.second, network.longest, soft_limits.LONGEST)
+    last, last_plain, since, found = np.zeros(heedful.shape[1], np.int64), np.zeros(heedful.shape[1], np.int64), 0, []
+    for now in range(1, 30):
+        found.append(soft_hold_kernel.shorten(heedful, *edges, last, since, now))
+        assert found[-1] == soft_hold_kernel.shorten(plain, *edges, last_plain, 0, now)
+        np.testing.assert_array_equal(heedful, plain)
+        since = now
+    assert 10 < found[0] < 200 and found[1] >= 1 and found[-1] == 0
 
 
 def test_frames_known_beforehand_are_those_made_one_by_one(hand, network):
