@@ -84,13 +84,17 @@ class MovingHand:
         self.refresh()
 
     def prepare(self) -> None:
-        """Make the soft skin ready: a second or two, on any thread. Call ``ready`` afterwards, where ``tick`` is called."""
+        """Make the soft skin ready, and compile what will move the hand: some seconds, the very first time half a minute, on any thread.
+
+        Call ``ready`` afterwards, where ``tick`` is called.
+        """
         from handlab.show.flesh import packed_layers
         from handlab.simulation.tendon_ridges import ridge_points
 
+        step(self.hand, rest(self.hand), {}, 1.0 / 60.0)
+        ridge_points(self.hand)  # first, for every frame asks for them as soon as the wardrobe is ready
         self.wardrobe.prepare()
         packed_layers(self.hand)
-        ridge_points(self.hand)
 
     def put(self, state: State, contraction: Mapping[str, float] | Any = None) -> None:
         """Show a state. With ``contraction`` the hand moves on from it; without, it stays until a client asks for something."""

@@ -42,11 +42,13 @@ class Wardrobe:
 
     def prepare(self) -> None:
         """Build the network and compile what moves it. Nothing of the live hand is touched until it is done."""
-        from handlab.simulation.soft_frame import at_bind, follow
+        from handlab.simulation.kinematics import relative_transforms
+        from handlab.simulation.soft_frame import at_bind, blended, follow
         from handlab.simulation.soft_skin import soft_skin
 
         network = soft_skin(self.hand)
         follow(self.hand, network, at_bind(network), self.hand.bind, None, 1.0 / 60.0)
+        blended(self.hand, network, relative_transforms(self.hand, self.hand.bind))  # its kernels take over from a clip
         self.network = network
 
     @property

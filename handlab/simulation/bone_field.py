@@ -24,7 +24,8 @@ class BoneField(NamedTuple):
     """Grids of all bodies b in one array: ``value[start[b] + (i * size[b, 1] + j) * size[b, 2] + k]``, positive outside bone.
 
     Whole micrometres (``UNIT``): a look-up waits for memory more than for arithmetic, and two bytes each stay in the cache.
-    ``floor``: the least of the eight corners of the cell that begins there; interpolation in it gives no less.
+    ``floor``: the least of the eight corners of the cell that begins there; interpolation in it gives no less. Where no cell begins,
+    at the upper faces, that of the last one.
     ``origin`` (b, 3) m in the bind posture, ``size`` (b, 3) points, ``start`` (b,), ``spacing`` m.
     """
 
@@ -39,11 +40,13 @@ class BoneField(NamedTuple):
 @per_hand
 def bone_field(hand: Hand) -> BoneField:
     """The field of a hand's bones in the bind posture, body by body."""
+    from scipy.ndimage import minimum_filter
+
     values, floors, start, size, origin = [], [], [0], [], []
     for body in hand.body_names:
         grid, low = _grid([bone for bone in hand.bones.values() if bone.body == body])
         values.append(grid.ravel())
-        floors.append(_floor(grid).ravel())
+        floors.append(minimum_filter(grid, size=2, origin=-1, mode="nearest").ravel())
         start.append(start[-1] + grid.size)
         size.append(grid.shape)
         origin.append(low)
@@ -57,39 +60,31 @@ def bone_field(hand: Hand) -> BoneField:
     )
 
 
-def _floor(grid: Array) -> Array:
-    """Least corner of every cell; where no cell begins, at the upper faces, that of the last one."""
-    for axis in range(3):
-        after = np.concatenate([np.take(grid, range(1, grid.shape[axis]), axis), np.take(grid, [-1], axis)], axis)
-        grid = np.minimum(grid, after)
-    return grid
-
-
 def _grid(bones: list[Mesh]) -> tuple[Array, Array]:
     """Signed distances on a grid around some bones, and its lowest corner."""
-    from scipy.ndimage import label
+    from scipy.ndimage import distance_transform_edt, label
     from scipy.spatial import cKDTree
 
     sampled = [samples(bone) for bone in bones]
     place, normal = (np.concatenate([one[k] for one in sampled]) for k in (0, 1))
     low = place.min(axis=0) - REACH
     count = np.ceil((place.max(axis=0) + REACH - low) / SPACING).astype(int) + 1
-    points = low + SPACING * np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1)
-    tree = cKDTree(place)
-    distance, nearest = tree.query(points.reshape(-1, 3), distance_upper_bound=REACH)
-    known = np.flatnonzero(np.isfinite(distance))
-    away = points.reshape(-1, 3)[known] - place[nearest[known]]
+    tree, far = cKDTree(place), np.full(count, True)
+    far[tuple(np.rint((place - low) / SPACING).astype(int).T)] = False
+    far = distance_transform_edt(far, SPACING) > REACH + SPACING  # of these there is no need to ask the tree
+    distance, nearest = tree.query(low + SPACING * np.argwhere(~far), distance_upper_bound=REACH)
+    near = np.isfinite(distance)
+    far[~far] = ~near
+    nearest = nearest[near]
     # Near a sample its tangent plane is a better surface than the sample itself.
-    plane = np.einsum("ij,ij->i", away, normal[nearest[known]])
-    aside = np.sqrt(np.maximum(distance[known] ** 2 - plane**2, 0.0))
-    field = np.full(len(distance), REACH)
-    field[known] = np.sign(plane) * np.hypot(plane, np.maximum(aside - SAMPLE, 0.0))
+    plane = np.einsum("ij,ij->i", low + SPACING * np.argwhere(~far) - place[nearest], normal[nearest])
+    aside = np.sqrt(np.maximum(distance[near] ** 2 - plane**2, 0.0))
+    grid = np.full(count, REACH)
+    grid[~far] = np.sign(plane) * np.hypot(plane, np.maximum(aside - SAMPLE, 0.0))
     # What no sample reaches is deep inside or far outside: outside is what hangs together with the corner of the box.
-    far: NDArray[np.bool_] = ~np.isfinite(distance).reshape(count)
     part, _ = label(far)
     inside = far & (part != part[0, 0, 0])
-    grid = field.reshape(count)
-    grid[inside] = -tree.query(points[inside])[0]
+    grid[inside] = -tree.query(low + SPACING * np.argwhere(inside))[0]
     return grid, low
 
 

@@ -164,7 +164,8 @@ def _fill(chains: Chains, transforms: Array, contraction: Array, law: Law, out: 
         raise ValueError(f"law is {law!r}; choose 'volume' (keeps it) or 'recalled' (thickness 1 + 2 (1 - q))")
     if contraction.ndim != 1 or len(contraction) <= chains.drive.max():
         raise ValueError(f"contraction has shape {contraction.shape}; give one value for every pseudo muscle of the hand")
-    recalled = law == "recalled"
+    recalled, contraction = law == "recalled", contraction.view()
+    contraction.setflags(write=False)  # kernels are compiled anew for arrays that can be written
     shape_into(chains, transforms, contraction, recalled, OVERLAP, SHORTENING, TRANSFER, FREE_SHORTENING, *out)
 
 

@@ -1,4 +1,4 @@
-"""Compiled: a tendon's centre line, lifted out of balls that stand for the bone below it."""
+"""Compiled: balls that stand for bone, and a tendon's centre line, lifted out of them."""
 
 from __future__ import annotations
 
@@ -44,3 +44,18 @@ def lifted(line: Array, up: Array, centre: Array, reach: Array, first: Index, la
         for n in range(1, count - 1):
             for k in range(3):
                 line[n, k] = before[n, k] + 0.5 * moved[n, k] + 0.25 * (moved[n - 1, k] + moved[n + 1, k])
+
+
+@compiled
+def inscribed(touch: Array, normal: Array, radius: Array) -> None:
+    """Radius (n,) of the largest ball that touches a surface from inside at ``touch`` (n, 3), ``normal`` (n, 3), and holds no such point.
+
+    It is the least (p - q)^2 / (2 n . (q - p)) over all others p of a point q, or what ``radius`` says at first; in place.
+    """
+    for q in range(touch.shape[0]):
+        for p in range(touch.shape[0]):
+            x, y, z = touch[q, 0] - touch[p, 0], touch[q, 1] - touch[p, 1], touch[q, 2] - touch[p, 2]
+            deep = 2.0 * (x * normal[q, 0] + y * normal[q, 1] + z * normal[q, 2])
+            square = x * x + y * y + z * z
+            if deep > 2e-6 and square < radius[q] * deep:
+                radius[q] = square / deep

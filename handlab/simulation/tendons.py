@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
-from handlab.physics.distance import closest, winding
 from handlab.simulation.bone_frames import BoneFrames
+from handlab.simulation.bones_below import in_bone, nearest_bone
 from handlab.simulation.geometric_kernel import first_hit
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
@@ -26,7 +26,6 @@ SAMPLES = 7  # points of a tube from one via point to the next
 EVEN = 2  # smoothing passes
 LIFTS = 5  # rounds of lifting a tendon out of bone in a pose
 ENDING = 4  # points of an end that may go into its bone
-NEAR = 0.01  # metres: bones further from a tendon than this cannot be in its way
 NUDGES = 5  # rounds of lifting points off the bones
 FAR = 0.06  # metres: where rays towards a bone begin
 
@@ -84,31 +83,42 @@ def tendons(hand: Hand, angle: ArrayLike, contraction: ArrayLike | None = None) 
 
 def laid(course: Course, moved: Array, nudge: Array | None = None) -> Array:
     """Points (n, 3) of a tendon for ``relative_transforms``; ``nudge`` (n, 3): another one than its own, as where it is straight."""
-    carried = moved[course.body]
-    line: Array = course.spread @ (np.einsum("vij,vj->vi", carried[:, :3, :3], course.point) + carried[:, :3, 3])
-    line += np.einsum("nij,nj->ni", moved[course.nudged][:, :3, :3], course.nudge if nudge is None else nudge)
-    under = moved[course.carrier]
-    centre = np.einsum("jab,jb->ja", under[:, :3, :3], course.centre) + under[:, :3, 3]
-    axis = np.einsum("jab,jb->ja", under[:, :3, :3], course.axis)
+    line, balls = _bare(course, moved, course.nudge if nudge is None else nudge), course.balls
+    up: Array = course.spread @ _turned(moved, course.body, course.up)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    lifted(line, up, _carried(moved, balls.body, balls.centre), balls.radius + course.radius, balls.first, balls.last, LIFTS)
+    return line
+
+
+def _turned(moved: Array, body: Index, way: Array) -> Array:
+    result: Array = np.einsum("...vij,vj->...vi", moved[..., body, :3, :3], way)
+    return result
+
+
+def _carried(moved: Array, body: Index, point: Array) -> Array:
+    result: Array = _turned(moved, body, point) + moved[..., body, :, :][..., :3, 3]
+    return result
+
+
+def _bare(course: Course, moved: Array, nudge: Array) -> Array:
+    """Points (..., n, 3) of a tendon in one posture ``moved`` (..., bodies, 4, 4) or in many, before it is lifted out of balls."""
+    line: Array = course.spread @ _carried(moved, course.body, course.point) + _turned(moved, course.nudged, nudge)
+    centre, axis = _carried(moved, course.carrier, course.centre), _turned(moved, course.carrier, course.axis)
     for _ in range(EVEN):
         _lay_over(line, centre, axis, course.reach)
-        line[1:-1] = 0.5 * line[1:-1] + 0.25 * line[:-2] + 0.25 * line[2:]
+        line[..., 1:-1, :] = 0.5 * line[..., 1:-1, :] + 0.25 * line[..., :-2, :] + 0.25 * line[..., 2:, :]
     _lay_over(line, centre, axis, course.reach)
-    balls, carried = course.balls, moved[course.balls.body]
-    middle = np.einsum("bij,bj->bi", carried[:, :3, :3], balls.centre) + carried[:, :3, 3]
-    up: Array = course.spread @ np.einsum("vij,vj->vi", moved[course.body][:, :3, :3], course.up)
-    up /= np.linalg.norm(up, axis=1, keepdims=True)
-    lifted(line, up, middle, balls.radius + course.radius, balls.first, balls.last, LIFTS)
     return line
 
 
 def _lay_over(line: Array, centre: Array, axis: Array, reach: Array) -> None:
     """Push points that came nearer to a joint's axis than the head of the bone allows straight outwards."""
-    for c, a, r in zip(centre, axis, reach, strict=True):
-        way = line - c
-        along = way @ a
-        way = way - along[:, None] * a
-        far = np.linalg.norm(way, axis=1)
+    for j, r in enumerate(reach):
+        a = axis[..., j, None, :]
+        way = line - centre[..., j, None, :]
+        along = (way * a).sum(axis=-1)
+        way = way - along[..., None] * a
+        far = np.linalg.norm(way, axis=-1)
         near = (far < r) & (np.abs(along) < r) & (far > 1e-4)
         line[near] += way[near] * (r / far[near] - 1.0)[:, None]
 
@@ -144,7 +154,7 @@ def courses(hand: Hand) -> tuple[Course, ...]:
             frozen(reach),
             none(),
         )
-        lines = np.array([laid(course, moved)[:-ENDING] for moved in postures(hand)])
+        lines = _bare(course, postures(hand), course.nudge)[:, :-ENDING]
         found.append(replace(course, balls=in_the_way(hand, lines, course.radius)))
     return tuple(found)
 
@@ -191,19 +201,15 @@ class _Bones(BoneFrames):
     def lifted(self, line: Array, radius: float) -> tuple[Array, Index]:
         """Moves (n, 3) that take a curve out of the bones, and the bodies (n,) of the bones below it."""
         start = line.copy()
-        low, high = line.min(axis=0) - NEAR, line.max(axis=0) + NEAR
-        bones = [b for b in self.hand.bones.values() if np.all((b.points.max(axis=0) > low) & (b.points.min(axis=0) < high))]
-        corners = np.ascontiguousarray(np.concatenate([bone.points[bone.faces] for bone in bones]))
-        owner = np.concatenate([np.full(len(b.faces), self.hand.body_names.index(b.body)) for b in bones])
         for _ in range(NUDGES):
-            distance, triangle, place = closest(np.ascontiguousarray(line), corners)
-            inside = winding(np.ascontiguousarray(line), corners) > 0.5
+            place, distance, body = nearest_bone(self.hand, line)
+            inside = in_bone(self.hand, line)
             away = np.where(inside[:, None], place - line, line - place) / np.maximum(distance, 1e-9)[:, None]
             short = np.where(inside, radius + distance, radius - distance)
             short[-ENDING:] = 0.0
             line = line + np.maximum(short, 0.0)[:, None] * away
             line[1:-ENDING] = 0.5 * line[1:-ENDING] + 0.25 * line[: -ENDING - 1] + 0.25 * line[2 : len(line) - ENDING + 1]
-        return line - start, owner[triangle]
+        return line - start, body
 
     def joint(self, name: str, line: Array) -> tuple[Array, Array, int, float]:
         """What a tendon is laid over at a joint: centre, axis, the body that carries both, and how near it comes in the bind posture."""

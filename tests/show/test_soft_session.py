@@ -1,5 +1,8 @@
 """The live hand with a soft skin: it shows when it is ready, rests when the hand rests, and stays small on the wire."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -15,6 +18,42 @@ from handlab.simulation.soft_frame import begin
 from handlab.simulation.soft_skin import soft_skin
 
 DT, SOFT = 1 / 60, "springs and muscles"
+
+FIRST_MINUTE = """
+import sys
+from numba.core.dispatcher import Dispatcher
+import handlab as hl
+from handlab.show.session import Session
+
+def compiled():
+    mine = [module for name, module in sys.modules.items() if name.startswith("handlab.")]
+    kernels = {found for module in mine for found in vars(module).values() if isinstance(found, Dispatcher)}
+    return {f"{kernel.__name__}{signature}" for kernel in kernels for signature in kernel.signatures}
+
+session = Session(hl.load_hand(), wear="springs and muscles")
+session.tick(1 / 60)
+session.prepare()
+session.ready()
+session.tick(1 / 60)
+before = compiled()
+assert len(before) > 20, before
+for message in (
+    {"kind": "play", "clip": "fist"},
+    {"kind": "seek", "t": 0.5},
+    {"kind": "set", "contraction": {"FDP2": 0.4}},
+    {"kind": "hold", "joints": ["wrist"]},
+    {"kind": "layers"},
+    {"kind": "set", "contraction": {"DI1": 0.4}},
+    {"kind": "wear", "skin": "springs", "muscles": "geometric"},
+    {"kind": "reset"},
+):
+    session.message(message)
+    for _ in range(4):
+        session.tick(1 / 60)
+    new = compiled() - before
+    assert not new, (message, new)
+assert all(reply.get("good", True) for reply in session.replies())
+"""
 
 
 @pytest.fixture
@@ -49,6 +88,12 @@ def test_until_it_is_ready_the_skin_is_left_to_the_viewer(hand):
     session.ready()
     assert 10_000 < len(session.tick(DT)) <= 20_000
     assert session.replies()[-1]["soft"] is True
+
+
+def test_nothing_is_compiled_any_more_once_a_session_is_prepared():
+    """In a process of its own, where no other test has compiled anything."""
+    done = subprocess.run([sys.executable, "-c", FIRST_MINUTE], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_soft_hand_comes_to_rest_and_so_does_its_page(session, hand):

@@ -20,8 +20,9 @@ class Front:
         view.widget.send = lambda content, buffers=None: self.got.append((content, buffers or []))
 
     def sends(self, **message):
-        self.view._hear(self.view.widget, message, [])
-        got, self.got = self.got, []
+        with self.view._lock:  # the soft skin comes on a thread of its own, and no reply may fall between the lists
+            self.view._hear(self.view.widget, message, [])
+            got, self.got = self.got, []
         return got
 
     def kinds(self, **message):
@@ -31,6 +32,16 @@ class Front:
 @pytest.fixture
 def front(hand):
     return Front(HandView(hand))
+
+
+def until_dressed(front):
+    """Say hello, and wait for the soft skin that comes then: what the view sent meanwhile."""
+    got = front.sends(kind="hello")
+    if (thread := front.view._preparing) is not None:
+        thread.join(60)
+    got += front.got
+    front.got = []
+    return got
 
 
 def until_still(front):
@@ -50,9 +61,16 @@ def test_a_page_that_says_hello_gets_the_scene_and_a_frame(front):
 
 
 def test_a_resting_hand_answers_a_tick_without_a_frame(front):
-    front.sends(kind="hello")
-    front.sends(kind="tick")
+    until_dressed(front)
+    assert until_still(front) <= 1
     assert front.kinds(kind="tick") == ["tock"]
+
+
+def test_the_soft_skin_follows_a_hello_by_itself(front):
+    got = until_dressed(front)
+    frames = [buffers[0] for content, buffers in got if content["kind"] == "frame"]
+    assert [content["soft"] for content, _ in got if content["kind"] == "status"][-1] is True
+    assert len(frames[0]) <= 4096 and 10_000 < len(frames[-1]) <= 20_000
 
 
 def test_what_a_slider_sends_moves_the_hand(front, hand):
