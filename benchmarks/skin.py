@@ -241,7 +241,7 @@ def whole(hand: Any, network: Network) -> list[tuple[str, float, float, str, boo
     values = state(network, hand)
     keys = hl.keyframes("fist").for_hand(hand)
     start = first_frame(hand, network)
-    count = 60
+    count = round(keys.time[-1] / FRAME)  # the clip, whole
 
     def play() -> None:
         for _ in frames(hand, network, start, keys.at(FRAME * np.arange(count)), FRAME):
