@@ -26,6 +26,8 @@ PATIENCE = 0.08  # s between two steps while every page still draws: less than t
 PRIVATE = ("answer", "file")  # replies for the page that asked; all others are for every page
 
 PREPARE_AFTER = 0.5  # s: the page draws the hand first
+SLOW = 5.0  # s: when preparing takes longer, everything is compiled, and the pages are told
+SOON = "The soft skin is getting ready: half a minute, once on this computer. Until then the skin follows the bones alone."
 
 F = TypeVar("F", bound=Callable[..., Any])
 called: Callable[[str], Callable[[F], F]] = register  # a page calls the method by this name
@@ -108,12 +110,15 @@ class Live(LinkProtocol):  # type: ignore[misc, unused-ignore]
 
     async def _prepare(self, session: Session) -> None:
         await asyncio.sleep(PREPARE_AFTER)
+        telling = asyncio.get_running_loop().call_later(SLOW, self.tell, {"kind": "answer", "good": True, "text": SOON})
         try:
             await asyncio.to_thread(session.prepare)
         except Exception as error:  # the blended skin lives on
             self._complain(f"no soft skin: {type(error).__name__}: {error}")
             self.tell({"kind": "answer", "good": False, "text": f"no soft skin: {error}"})
             return
+        finally:
+            telling.cancel()
         session.ready()
         self._preparing = False
         self._dress()  # muscles were painted meanwhile
