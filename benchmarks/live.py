@@ -23,7 +23,7 @@ COUNT = """async () => {
   let drawn = 0;
   hand.ondraw = () => { drawn += 1; old(); };
   const bytes = stats.bytes, frames = stats.frames, start = performance.now();
-  await new Promise((go) => setTimeout(go, 2000));
+  await new Promise((go) => setTimeout(go, 4000));
   hand.ondraw = old;
   const seconds = (performance.now() - start) / 1000;
   return { drawn: drawn / seconds, bytes: (stats.bytes - bytes) / (stats.frames - frames) };
@@ -72,6 +72,7 @@ def played(page: Any) -> dict[str, float]:
     """Pictures a second and bytes a frame while the fist closes, over and over."""
     page.evaluate("handlab.send({ kind: 'play', clip: 'fist', loop: true })")
     page.wait_for_function("handlab.frame().clip && handlab.frame().time > 0.1")
+    page.wait_for_timeout(1500)  # until the browser has compiled what it runs over and over
     counted: dict[str, float] = page.evaluate(COUNT)
     return counted
 

@@ -382,9 +382,18 @@ export class Hand3D {
     return A.skin_faces[t + (u >= w && u >= last ? 0 : w >= last ? 1 : 2)];
   }
 
+  // A frame of a motion: of several that come before the next picture, only the last is laid.
+  follow(frame) {
+    this.coming = frame;
+    this.redraw();
+  }
+
+  lay() { if (this.coming) this.pose(this.coming); }
+
   // Take a frame (or null: the stored meshes) and lay the fine skin on it.
   pose(frame) {
     const A = this.scene.arrays;
+    this.coming = null;
     if (frame) this.motion.set(frame.motion);
     this.raised.fill(0);
     if (frame?.ridges) frame.ridges.points.forEach((v, k) => { this.raised[v] = frame.ridges.lifts[k] * LIFT_UNIT; });
@@ -416,6 +425,7 @@ export class Hand3D {
 
   // Let the whole hand stand in the picture, below the buttons that cover its upper edge.
   fit(margin = 0.93) {
+    this.lay();
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], axes = [this.right, this.up, this.eye];
     for (const P of [this.coarse, this.scene.arrays.skin_points]) { // the stored posture is open: a hand that opens stays in view
       for (let v = 0; v < P.length; v += 3) {
@@ -483,7 +493,10 @@ export class Hand3D {
 
   redraw() {
     if (this.pending) return;
-    this.pending = requestAnimationFrame(() => { this.pending = 0; this.draw(); });
+    this.pending = requestAnimationFrame(() => {
+      try { this.lay(); } finally { this.pending = 0; }
+      this.draw();
+    });
   }
 
   // Pixels of the canvas per CSS pixel: fewer while a software renderer moves, more at rest.
@@ -644,6 +657,7 @@ export class Hand3D {
   // ---- picking: {kind: "bone" | "flesh" | "skin", index} at CSS pixels from the canvas's corner, or null
 
   pick(x, y) {
+    this.lay();
     const { clientWidth: w, clientHeight: h } = this.canvas, A = this.scene.arrays;
     const reach = Math.tan(this.scene.lens_deg * Math.PI / 360), sx = (2 * x / w - 1) * reach * w / h, sy = (1 - 2 * y / h) * reach;
     const d = unit([0, 1, 2].map((k) => sx * this.right[k] + sy * this.up[k] - this.eye[k]));
@@ -673,6 +687,7 @@ export class Hand3D {
 
   // A PNG of what is seen, as a Blob.
   png() {
+    this.lay();
     this.draw(true);
     return new Promise((done) => this.canvas.toBlob(done, "image/png"));
   }

@@ -493,7 +493,7 @@ class Viewer {
     const frame = this.frame = unpackFrame(data, this.scene);
     this.stats.frames += 1;
     this.stats.bytes += frame.bytes;
-    this.hand.pose(frame);
+    if (frame.moving && this.stats.frames > 1) this.hand.follow(frame); else this.hand.pose(frame);
     if (this.stats.frames === 1 && this.hand.viewName) this.hand.fit();
     if (!frame.clip) {
       const row = new Float32Array(this.track.width);

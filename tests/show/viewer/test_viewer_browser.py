@@ -346,6 +346,30 @@ def test_a_picture_is_drawn_in_less_than_a_thirtieth_of_a_second(live):
     assert 0.1 < cost < 1000 / 30
 
 
+def test_of_frames_that_come_before_a_picture_only_the_last_is_laid_and_a_touch_sees_it(live):
+    host = live()
+    laid, touched = host.page.evaluate(
+        """async () => {
+          const { hand } = handlab, frame = handlab.frame(), laid = [], picture = () => new Promise((go) => requestAnimationFrame(go));
+          const pose = hand.pose.bind(hand);
+          hand.pose = (one) => { laid.push(one.time); pose(one); };
+          await picture();
+          hand.follow({ ...frame, time: 1 });
+          hand.follow({ ...frame, time: 2 });
+          await picture();
+          await picture();
+          hand.follow({ ...frame, time: 3 });
+          hand.pick(1, 1);
+          const touched = laid.at(-1);
+          await picture();
+          await picture();
+          delete hand.pose;
+          return [laid, touched];
+        }"""
+    )
+    assert laid == [2, 3] and touched == 3
+
+
 def test_a_clip_plays_smoothly(live):
     host = live()
     host.page.evaluate("handlab.send({kind: 'play', clip: 'fist', loop: true})")
