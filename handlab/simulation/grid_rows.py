@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand
 from handlab.physics.distance import closest
+from handlab.simulation.bones_below import nearest_bone
 from handlab.simulation.geometric_kernel import first_hit
-from handlab.simulation.muscle_fit import bone_corners
 
 OUTSIDE = 0.5  # metres: from so far away nothing of the hand lies behind
 
@@ -78,9 +78,7 @@ def finer_bones(bones: Sequence[Carriers], finer: int) -> tuple[Carriers, ...]:
 def nearest_bones(hand: Hand, points: ArrayLike) -> tuple[str, ...]:
     """For each row of ``points`` (rows, columns, 3) the bone that comes nearest to it, in the bind posture."""
     wanted = np.asarray(points, dtype=np.float64)
-    distance, triangle, _ = closest(np.ascontiguousarray(wanted.reshape(-1, 3)), bone_corners(hand))
-    ends = np.cumsum([len(bone.faces) for bone in hand.bones.values()])
-    names = tuple(hand.bones)
+    _, distance, bone = nearest_bone(hand, wanted.reshape(-1, 3))
     best = distance.reshape(wanted.shape[:2]).argmin(axis=1)
-    own = triangle.reshape(wanted.shape[:2])[np.arange(len(wanted)), best]
-    return tuple(names[int(k)] for k in np.searchsorted(ends, own, side="right"))
+    names = tuple(hand.bones)
+    return tuple(names[k] for k in bone.reshape(wanted.shape[:2])[np.arange(len(wanted)), best])

@@ -6,17 +6,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handlab.physics.compiled import compiled
 from handlab.simulation.soft_anchor_kernel import swollen
 from handlab.simulation.soft_hold_kernel import limited
+from handlab.simulation.soft_look_kernel import Array, Index, Node, Value
 from handlab.simulation.soft_skin_kernel import framed, leapfrog, volume_and_area
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Node = NDArray[np.uint32]
-Value = NDArray[np.int16]
 
 
 @compiled

@@ -5,15 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handlab.physics.compiled import compiled
-from handlab.simulation.soft_look_kernel import beside, lacking, near_bone, touched
+from handlab.simulation.soft_look_kernel import Array, Index, Node, Value, beside, lacking, near_bone, touched
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Node = NDArray[np.uint32]
-Value = NDArray[np.int16]
 A_LITTLE = 1.0 - 1e-6  # long edges are made a little shorter than they must be: rounding left them too long, pass after pass
 A_BIT_MORE = 1.01  # likewise: shadows are made a little larger than they must be
 LEAST_SLOPE = 1e-3  # of what it is at rest: a triangle that is but a point is not thrown far

@@ -22,7 +22,7 @@ from handlab.physics.springs import (
     stiffness_matrix,
     substeps,
 )
-from handlab.simulation.bones_below import nearest_bone
+from handlab.simulation.bones_below import bodies, nearest_bone
 from handlab.simulation.geometric_muscle import GeometricMuscles, geometric_muscles
 from handlab.simulation.hairy_skin import TISSUE, firmness
 from handlab.simulation.per_hand import per_hand
@@ -207,7 +207,7 @@ def _network(
     hold = column_stiffness(tissue * firmness(hand, depth, thickness), area, depth) / 2.0
     centre = balanced(points, arm, hold, tension(points, edges, stiffness, rest))
     centre_area = node_areas(Mesh(centre, skin.faces))
-    index, weight = anchor_weights(hand, edges, distance, nearest)
+    index, weight = anchor_weights(hand, edges, distance, bodies(hand)[nearest])
     grounded = pair_tensor(points - centre, arm, hold)
     frequency = largest_frequency(stiffness_matrix(len(points), edges, spring_tensor(way, stiffness, rest), grounded), mass)
     return Network(

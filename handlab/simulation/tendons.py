@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from handlab.anatomy.records import Array, Hand, Index, frozen
 from handlab.simulation.bone_frames import BoneFrames
-from handlab.simulation.bones_below import in_bone, nearest_bone
+from handlab.simulation.bones_below import bodies, in_bone, nearest_bone
 from handlab.simulation.geometric_kernel import first_hit
 from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.per_hand import per_hand
@@ -202,14 +202,14 @@ class _Bones(BoneFrames):
         """Moves (n, 3) that take a curve out of the bones, and the bodies (n,) of the bones below it."""
         start = line.copy()
         for _ in range(NUDGES):
-            place, distance, body = nearest_bone(self.hand, line)
+            place, distance, bone = nearest_bone(self.hand, line)
             inside = in_bone(self.hand, line)
             away = np.where(inside[:, None], place - line, line - place) / np.maximum(distance, 1e-9)[:, None]
             short = np.where(inside, radius + distance, radius - distance)
             short[-ENDING:] = 0.0
             line = line + np.maximum(short, 0.0)[:, None] * away
             line[1:-ENDING] = 0.5 * line[1:-ENDING] + 0.25 * line[: -ENDING - 1] + 0.25 * line[2 : len(line) - ENDING + 1]
-        return line - start, body
+        return line - start, bodies(self.hand)[bone]
 
     def joint(self, name: str, line: Array) -> tuple[Array, Array, int, float]:
         """What a tendon is laid over at a joint: centre, axis, the body that carries both, and how near it comes in the bind posture."""

@@ -12,18 +12,18 @@ from handlab.simulation.tendon_kernel import inscribed
 def everything(hand):
     """All triangles of all bones, the body of each, and points in, near and far from them."""
     corners = np.concatenate([bone.points[bone.faces] for bone in hand.bones.values()])
-    body = np.concatenate([np.full(len(bone.faces), hand.body_names.index(bone.body)) for bone in hand.bones.values()])
+    owner = np.repeat(np.arange(len(hand.bones)), [len(bone.faces) for bone in hand.bones.values()])
     rng = np.random.default_rng(7)
     near = corners[rng.integers(len(corners), size=400)].mean(axis=1)
     points = np.concatenate([near, near + rng.normal(0.0, 0.002, near.shape), near + rng.normal(0.0, 0.02, near.shape), near + 0.5])
-    return corners, body, points
+    return corners, owner, points
 
 
 def test_the_nearest_bone_is_that_of_the_nearest_of_all_triangles(hand, everything):
-    corners, body, points = everything
+    corners, owner, points = everything
     place, distance, found = nearest_bone(hand, points)
     wanted, triangle, foot = closest(points, corners)
-    assert np.array_equal(distance, wanted) and np.array_equal(found, body[triangle]) and np.array_equal(place, foot)
+    assert np.array_equal(distance, wanted) and np.array_equal(found, owner[triangle]) and np.array_equal(place, foot)
 
 
 def test_a_point_is_in_bone_where_the_surface_of_all_bones_winds_about_it(hand, everything):

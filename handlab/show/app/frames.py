@@ -3,8 +3,8 @@
 The socket of wslink carries messages; its client takes every one of them through the browser's main process, twice, which costs more
 than all arithmetic of a picture.
 
-Every page has a credit. A frame costs one, and the page gives it back (``b"drawn"``) when it has drawn. A page without credit (a tab in
-the background, a slow line) misses frames and gets the newest one when it is back: nothing ever queues up.
+Every page has a credit. A frame costs one, and the page gives it back (any short message) when it has drawn. A page without credit (a
+tab in the background, a slow line) misses frames and gets the newest one when it is back: nothing ever queues up.
 """
 
 from __future__ import annotations
