@@ -78,7 +78,8 @@ def served(*command: str, size: tuple[int, int]) -> Iterator[Any]:
 def live_view() -> None:
     """The page that ``handlab`` opens, with the pinch held, solid and translucent."""
     with served("run", size=(1440, 900)) as page:
-        page.get_by_role("button", name="pinch", exact=True).click(timeout=60_000)
+        page.wait_for_function("window.handlab?.status()?.soft", timeout=90_000)
+        page.get_by_role("button", name="pinch", exact=True).click()
         page.get_by_role("button", name="radial", exact=True).click()
         page.wait_for_timeout(6_000)
         page.screenshot(path=FOLDER / "viewer.png")
