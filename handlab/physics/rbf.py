@@ -92,15 +92,17 @@ def _across(columns: Array, axes: Array, rank: int) -> Array:
 
 
 def warped(warp: Warp, points: ArrayLike) -> Array:
-    """f at ``points`` (..., 3)."""
+    """f at ``points`` (..., 3). Raises ``ValueError`` for points of another shape."""
     from handlab.physics.rbf_kernel import evaluate  # compiled code, not needed to import this module
 
-    x = np.asarray(points, dtype=np.float64)
-    flat = np.ascontiguousarray(x.reshape(-1, 3))
+    x = np.ascontiguousarray(points, dtype=np.float64)
+    if x.shape[-1] != 3:
+        raise ValueError(f"points {np.shape(points)} must be (..., 3)")
+    flat = x.reshape(-1)
     flat.setflags(write=False)  # kernels are compiled anew for arrays that can be written
-    out = np.empty(flat.shape)
-    evaluate(flat, *_arrays(warp), out)
-    return out.reshape(x.shape)
+    out = np.empty(x.shape)
+    evaluate(flat, *_arrays(warp), out.reshape(-1))
+    return out
 
 
 def jacobian(warp: Warp, points: ArrayLike) -> Array:
