@@ -130,6 +130,7 @@ def fit_photo(
     camera_mm: float | Literal["auto"] | None = "auto",
     centre_px: ArrayLike | None = None,
     sure: bool = False,
+    outline: bool = True,
     **options: Any,
 ) -> Fit:
     """A hand from a photograph.
@@ -140,7 +141,8 @@ def fit_photo(
     a number of millimetres per pixel, two clicks on a ruler, one on a coin or a card (see ``calibration.as_scale``). ``hand``: what is
     warped, the reference hand if not given. ``camera_mm``: distance of the camera from the table, None for a scanner; "auto": by the focal
     length in the file, none for a file whose dots per inch are those of a scanner, else 600 mm (see ``lens.camera``; a remark says so), for
-    the back of a hand also by its points (see ``distance``).
+    the back of a hand also by its points (see ``distance``). ``outline``: where there are pixels, and hand and background differ, the skin
+    is brought to the outline in the picture too (see ``outlined``); False, or the rule "printed": the points alone shape the hand.
     All other arguments as for ``fit_points``. The result has ``hand``, ``report()``, ``side``, and with pixels ``outline`` and ``iou``.
     Nothing is written anywhere.
     """
@@ -167,7 +169,12 @@ def fit_photo(
 
         seen = camera_by_points(own, clicks, found_scale.mm_per_px, middle, **options) or seen
     fit = fit_points(own, clicks, found_scale, camera_mm=seen.distance_mm, centre_px=middle, sure=sure, **options)
-    return fit.with_picture(pixels, (width, height), seen.how)
+    fit = fit.with_picture(pixels, (width, height), seen.how)
+    if pixels is None or not outline or fit.rule == "printed":
+        return fit
+    from handlab.fitting.outlined import outlined
+
+    return outlined(fit)
 
 
 def warp_to(

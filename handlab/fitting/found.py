@@ -18,7 +18,7 @@ from handlab.anatomy.records import Array
 from handlab.anatomy.terms import FINGERS
 from handlab.fitting.alignment import Similarity, fitting_plane, similarity
 from handlab.fitting.landmarks import NAMES, source_points
-from handlab.fitting.outline import COARSE, Mask, contour, hand_mask, reduced, threshold
+from handlab.fitting.outline import COARSE, Mask, contour, reduced, small_mask, threshold
 from handlab.physics import rbf
 
 # Shares of the palm's half width: discs of this size do not go into fingers, and no finger is shorter (assumptions).
@@ -103,8 +103,7 @@ def _seen(pixels: NDArray[np.uint8], step: int) -> Mask:
     depth = distance_transform_edt(pieces == np.bincount(pieces[pieces > 0]).argmax())
     inner = np.argwhere(depth > 0.4 * depth.max())
     chosen = inner[:: max(1, len(inner) // 60)][:, ::-1].astype(np.float64) * step + step / 2.0
-    mask: Mask = hand_mask(pixels, chosen)[::step, ::step][: small.shape[0], : small.shape[1]]
-    return mask
+    return small_mask(pixels, chosen)[0]
 
 
 def _tips_and_webs(mask: Mask) -> tuple[Array, Array, Array]:

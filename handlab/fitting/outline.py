@@ -6,8 +6,6 @@ middle of the first pixel is (0.5, 0.5). Arrays of pixels are (rows, columns).
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,7 +91,15 @@ def distal_of(wrist_px: Array, towards_px: Array, shape: tuple[int, int]) -> Mas
 
 
 def hand_mask(picture: NDArray[np.uint8], points_px: Array) -> Mask:
-    """Pixels that show the hand, on a plain background of any other colour, dark or light.
+    """Pixels that show the hand: ``small_mask`` in the pixels of the picture. Raises ``ValueError`` as it does."""
+    whole, step = small_mask(picture, points_px)
+    rows, columns = picture.shape[:2]
+    result: Mask = np.repeat(np.repeat(whole, step, axis=0), step, axis=1)
+    return np.pad(result, ((0, max(0, rows - len(result))), (0, max(0, columns - result.shape[1]))), mode="edge")[:rows, :columns]
+
+
+def small_mask(picture: NDArray[np.uint8], points_px: Array) -> tuple[Mask, int]:
+    """Squares of pixels that show the hand, on a plain background of any other colour, dark or light, and how many pixels wide they are.
 
     ``picture`` (rows, columns, 3), ``points_px`` (N, 2): points on the hand (the feature points), at least three. The colours of
     hand and background are learnt from the picture itself: near the points, and along the picture's edge. The best line
@@ -125,9 +131,8 @@ def hand_mask(picture: NDArray[np.uint8], points_px: Array) -> Mask:
     touched = pieces[seeds[:, 1], seeds[:, 0]]
     if not touched.any():
         raise ValueError("none of the points lies on the hand that the picture shows; check the points and the picture belong together")
-    whole: Any = binary_fill_holes(pieces == np.bincount(touched[touched > 0]).argmax())
-    result: Mask = np.repeat(np.repeat(whole, step, axis=0), step, axis=1)
-    return np.pad(result, ((0, max(0, rows - len(result))), (0, max(0, columns - result.shape[1]))), mode="edge")[:rows, :columns]
+    whole: Mask = binary_fill_holes(pieces == np.bincount(touched[touched > 0]).argmax())
+    return whole, step
 
 
 def contour(mask: Mask) -> Array:

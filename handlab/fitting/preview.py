@@ -16,7 +16,7 @@ from handlab.fitting.fit import aligned_marks, picture_mm
 from handlab.fitting.landmarks import NAMES, checked, source_points
 from handlab.fitting.lifting import from_far, lift
 from handlab.fitting.outline import contour, distal_of, overlap, silhouette
-from handlab.fitting.result import Fit
+from handlab.fitting.result import WRIST, Fit
 from handlab.fitting.warp import WarpedHand, landmark_warp
 
 TWICE = 2  # rounds of taking out perspective: within 0.2 mm of the four that a fit takes
@@ -38,7 +38,7 @@ class Sketch(NamedTuple):
     def iou(self, shown: NDArray[np.bool_], step: float) -> float:
         """Overlap beyond the wrist with the pixels ``shown`` of a picture that was reduced by ``step``."""
         drawn = silhouette(self.skin / step, self.faces, (shown.shape[0], shown.shape[1]))
-        edge = np.array([self.places[name] for name in ("wrist_radial", "wrist_ulnar", "mcp_middle")]) / step
+        edge = np.array([self.places[name] for name in WRIST]) / step
         return overlap(drawn, shown, distal_of(edge[:2], edge[2], (shown.shape[0], shown.shape[1])))
 
 

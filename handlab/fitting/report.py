@@ -40,7 +40,8 @@ class Strength:
 class Report:
     """``lengths_mm``: segment -> (this hand, reference hand), joint centre to joint centre and on to the finger tip.
 
-    ``hand_length_mm`` (this, reference), wrist centre to tip of the middle finger; ``growth`` L; ``laws`` by name.
+    ``hand_length_mm`` (this, reference), wrist centre to tip of the middle finger; ``growth`` L; ``laws`` by name;
+    ``outline``: whether the outline in the picture shaped the skin too.
     """
 
     lengths_mm: Mapping[str, tuple[float, float]]
@@ -51,6 +52,7 @@ class Report:
     side: str
     view: str
     points: int
+    outline: bool
     scale: str
     scatter_mm: float
     warnings: tuple[str, ...]
@@ -59,7 +61,7 @@ class Report:
         """A table in millimetres."""
         shown = "palm" if self.view == "palmar" else "back"
         lines = [
-            f"{shown} of a {self.side} hand, {self.points} points, {self.scale}",
+            f"{shown} of a {self.side} hand, {self.points} points{' and the outline' if self.outline else ''}, {self.scale}",
             f"size L = {self.growth:.3f} of the reference hand; after turning and scaling it, points lie {self.scatter_mm:.1f} mm off",
             "",
             f"{'':<28}{'this hand':>10}{'reference':>11}{'ratio':>8}",
@@ -88,6 +90,7 @@ def report(fit: Fit) -> Report:
         side=fit.side,
         view=fit.view,
         points=len(fit.names),
+        outline=fit.edge is not None,
         scale=f"{fit.scale.mm_per_px:.4g} mm per pixel ({fit.scale.how})",
         scatter_mm=fit.aligned.fit.scatter,
         warnings=fit.warnings,

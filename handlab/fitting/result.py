@@ -14,12 +14,13 @@ from handlab.fitting.alignment import Aligned
 from handlab.fitting.calibration import Scale
 from handlab.fitting.lifting import lowest, seen_by
 from handlab.fitting.plausible import with_camera
-from handlab.fitting.warp import WarpedHand
+from handlab.fitting.warp import Edge, Mechanics, WarpedHand
 
 if TYPE_CHECKING:
     from handlab.fitting.report import Report
 
 MOST_PIXELS_OF_OUTLINE = 4_000_000
+WRIST = ("wrist_radial", "wrist_ulnar", "mcp_middle")  # a line, and a point on the hand's side of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +28,8 @@ class Fit:
     """A hand from clicks. ``hand``: ready to move. ``reference``: the hand it was warped from, of the same side.
 
     ``view`` "palmar" or "dorsal"; ``names`` and ``clicks`` (N, 2) px; ``scale``; ``target`` (N, 3) m the lifted points in the frame of the
-    reference; ``aligned`` how the clicks lay on it; ``camera`` tells how its distance ``camera_mm`` is known; ``warned`` in ``warnings``;
-    ``pixels`` and ``size`` (width, height) of the picture.
+    reference; ``aligned`` how the clicks lay on it; ``edge`` the points that came from the outline, if any; ``camera`` tells how its
+    distance ``camera_mm`` is known; ``warnings`` what to know; ``pixels`` and ``size`` (width, height) of the picture.
     """
 
     hand: Hand
@@ -38,10 +39,11 @@ class Fit:
     clicks: Array = field(repr=False)
     scale: Scale
     rule: str
-    mechanics: str
+    mechanics: Mechanics
     aligned: Aligned = field(repr=False)
     target: Array = field(repr=False)
     warped: WarpedHand = field(repr=False)
+    edge: Edge | None = field(default=None, repr=False)
     camera_mm: float | None = None
     camera: str = "given"
     centre_px: Array | None = None
@@ -75,18 +77,39 @@ class Fit:
         """The same fit with the picture at hand; ``camera``: how its distance is known."""
         return replace(self, pixels=pixels, size=size, camera=camera, warnings=with_camera(self.warnings, self.camera_mm, camera))
 
+    def lying(self, points: ArrayLike) -> Array:
+        """Points (N, 3) m of the new hand, as it is stored, in the frame of the reference hand, where the clicks were lifted."""
+        result: Array = np.asarray(points, dtype=np.float64) @ self.warped.rotation + self.warped.origin
+        return result
+
     def to_picture(self, points: ArrayLike) -> Array:
         """Pixels (N, 2) where points (N, 3) m of the new hand, as it is stored, lie in the picture."""
-        flat = self._flat_mm(np.asarray(points, dtype=np.float64))
-        px: Array = flat * np.array([-1.0 if self.mirror else 1.0, -1.0]) / self.scale.mm_per_px
+        return self.seen(self.lying(points))
+
+    def seen(self, world: Array) -> Array:
+        """Pixels (N, 2) where points (N, 3) m in the frame of the reference hand lie in the picture."""
+        px: Array = self._flat_mm(world) * self._upright / self.scale.mm_per_px
         return px
 
-    def _flat_mm(self, points: Array) -> Array:
+    def beside(self, world: Array, px: Array) -> Array:
+        """Points (N, 3) m moved across the line of sight by ``px`` (N, 2) pixels."""
+        frame, near = self.aligned.frame, np.ones(len(world))
+        if self.camera_mm is not None:
+            near = 1.0 - 1e3 * (frame.height(world) - lowest(self.aligned)) / self.camera_mm
+        flat = 1e-3 * self.scale.mm_per_px * near[:, None] * (px * self._upright) @ self.aligned.fit.matrix
+        moved: Array = world + flat @ np.stack([frame.across, frame.up])
+        return moved
+
+    @property
+    def _upright(self) -> Array:
+        """From pixels, y downwards, to a picture that is not mirrored, y upwards, and back."""
+        return np.array([-1.0 if self.mirror else 1.0, -1.0])
+
+    def _flat_mm(self, world: Array) -> Array:
         """Places (N, 2) mm, y upwards, in a picture that is not mirrored."""
         frame, fit = self.aligned.frame, self.aligned.fit
-        world = points @ self.warped.rotation + self.warped.origin  # the frame of the reference, where the clicks were lifted
         middle = frame.flat(self.aligned.source).mean(axis=0)
-        clicked = self.clicks * np.array([-1.0 if self.mirror else 1.0, -1.0]) * self.scale.mm_per_px
+        clicked = self.clicks * self._upright * self.scale.mm_per_px
         if self.camera_mm is None:
             flat: Array = clicked.mean(axis=0) + 1e3 * (frame.flat(world) - middle) @ fit.matrix.T
             return flat
@@ -101,7 +124,7 @@ class Fit:
 
     def _camera_centre(self) -> Array:
         centre = self.clicks.mean(axis=0) if self.centre_px is None else self.centre_px
-        place: Array = centre * np.array([-1.0 if self.mirror else 1.0, -1.0]) * self.scale.mm_per_px
+        place: Array = centre * self._upright * self.scale.mm_per_px
         return place
 
     def _seen_from_far(self, clicked: Array) -> Array:
@@ -133,15 +156,26 @@ class Fit:
 
         Raises ``ValueError`` without pixels, or where the hand cannot be told from the background.
         """
-        from handlab.fitting.outline import distal_of, hand_mask, overlap, silhouette
+        from handlab.fitting.outline import small_mask
 
         if self.pixels is None:
             raise ValueError("the overlap needs the picture itself: give fit_photo a file or pixels, not only a size")
-        shown = hand_mask(self.pixels, self.clicks)
-        drawn = silhouette(self.to_picture(self.hand.skin_fine.points), self.hand.skin_fine.faces, shown.shape)
-        marks = self.hand.feature_points
-        edge = self.to_picture(self.hand.skin.points[[marks[name][self.view] for name in ("wrist_radial", "wrist_ulnar", "mcp_middle")]])
-        return overlap(drawn, shown, distal_of(edge[:2], edge[2], shown.shape))
+        return self.overlap(*small_mask(self.pixels, self.clicks))
+
+    def overlap(self, shown: NDArray[np.bool_], step: float) -> float:
+        """The same with the squares ``shown`` of ``step`` pixels that show the hand in the picture."""
+        from handlab.fitting.outline import overlap, silhouette
+
+        drawn = silhouette(self.to_picture(self.hand.skin_fine.points) / step, self.hand.skin_fine.faces, (shown.shape[0], shown.shape[1]))
+        return overlap(drawn, shown, self.beyond_wrist(shown, step))
+
+    def beyond_wrist(self, shown: NDArray[np.bool_], step: float) -> NDArray[np.bool_]:
+        """Squares of ``step`` pixels that lie on the hand's side of the wrist."""
+        from handlab.fitting.outline import distal_of
+
+        index = [self.hand.feature_points[name][self.view] for name in WRIST]
+        edge = self.to_picture(self.hand.skin.points[index]) / step
+        return distal_of(edge[:2], edge[2], (shown.shape[0], shown.shape[1]))
 
     def _covered(self) -> tuple[NDArray[np.bool_], float, Array]:
         """Mask of the new hand, the pixels per cell, and the place of its first corner."""

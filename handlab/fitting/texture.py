@@ -55,9 +55,8 @@ def texture_of(fit: Fit, *, size: int = SIZE) -> Texture:
     if fit.pixels is None:
         raise ValueError("the texture needs the picture itself: give fit_photo a file or pixels, not only a size")
     fine = fit.hand.skin_fine
-    placed = fine.points @ fit.warped.rotation + fit.warped.origin  # where the clicks were lifted
-    mask = hand_mask(fit.pixels, fit.clicks)
-    return project_texture(fine, fit.to_picture(fine.points), fit.aligned.frame.height(placed), fit.pixels, hand=mask, size=size)
+    height = fit.aligned.frame.height(fit.lying(fine.points))
+    return project_texture(fine, fit.to_picture(fine.points), height, fit.pixels, hand=hand_mask(fit.pixels, fit.clicks), size=size)
 
 
 def project_texture(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,8 @@ Mechanics = Literal["scaled", "kept"]
 MECHANICS = ("scaled", "kept")
 # A second layer of points lies this far behind the feature points, about as deep as a palm is thick (an assumption).
 BEHIND = 0.020
+# How softly points on the outline are held (an assumption): pixels of an outline are rough, clicks are not.
+SLACK = 0.002
 NEWTON = 8
 
 
@@ -40,18 +42,29 @@ class WarpedHand:
     bones: Checked
 
 
-def landmark_warp(source: Array, target: Array, towards: Array, *, rule: str = "least squares") -> rbf.Warp:
+class Edge(NamedTuple):
+    """Points of the skin ``source`` (K, 3) m on the old hand, and where the outline in a picture says they lie, ``target`` (K, 3) m."""
+
+    source: Array
+    target: Array
+
+
+def landmark_warp(source: Array, target: Array, towards: Array, *, rule: str = "least squares", edge: Edge | None = None) -> rbf.Warp:
     """The warp that takes feature points ``source`` (N, 3) to ``target`` (N, 3) m; ``towards`` (3,): to the camera.
 
     ``printed``: these points alone. They lie nearly in one plane, so what the warp does across it hangs on small differences of
     height, and it may squeeze or shear bones. By default a second layer ``BEHIND`` them moves along as it would in a hand that is larger
-    or smaller as a whole: thickness stays in proportion to size, as the paper wants it.
+    or smaller as a whole: thickness stays in proportion to size, as the paper wants it. Points of an ``edge`` are held softly.
     """
     if rule == "printed":
         return rbf.fitted(source, target)
     scale, turn = overall(source, target, towards)
     behind = -BEHIND * towards
-    return rbf.fitted(np.concatenate([source, source + behind]), np.concatenate([target, target + scale * turn @ behind]))
+    before, after = np.concatenate([source, source + behind]), np.concatenate([target, target + scale * turn @ behind])
+    if edge is None:
+        return rbf.fitted(before, after)
+    slack = np.repeat([0.0, SLACK], [len(before), len(edge.source)])
+    return rbf.fitted(np.concatenate([before, edge.source]), np.concatenate([after, edge.target]), slack)
 
 
 def overall(source: Array, target: Array, towards: Array) -> tuple[float, Array]:
@@ -173,4 +186,4 @@ def _stored(values: Array) -> Array:
 
 
 Move = Callable[[Array], Array]
-__all__ = ["MECHANICS", "Mechanics", "WarpedHand", "growth", "landmark_warp", "overall", "turn_near", "warp_hand"]
+__all__ = ["MECHANICS", "Edge", "Mechanics", "WarpedHand", "growth", "landmark_warp", "overall", "turn_near", "warp_hand"]

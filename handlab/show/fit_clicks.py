@@ -21,7 +21,8 @@ MOST_TEXT = 1_000_000  # characters of a file of points
 class Clicks:
     """``landmarks``: name -> (x, y) px, or None where left out, in the order of clicking; ``scale`` as for ``as_scale``, or empty.
 
-    ``camera_mm`` above the table if known, 0 for a scanner; ``sure``: sizes and labels are right; ``mirror``: the picture is mirrored.
+    ``camera_mm`` above the table if known, 0 for a scanner; ``sure``: sizes and labels are right; ``mirror``: the picture is mirrored;
+    ``outline``: the outline in the picture shapes the skin too.
     """
 
     landmarks: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
@@ -31,6 +32,7 @@ class Clicks:
     camera_mm: float | None = None
     sure: bool = False
     mirror: bool = False
+    outline: bool = True
 
     @property
     def placed(self) -> dict[str, tuple[float, float]]:
@@ -47,7 +49,7 @@ class Clicks:
         return {
             "landmarks": {name: None if place is None else list(place) for name, place in self.landmarks.items()},
             "scale": dict(self.scale),
-            **{key: getattr(self, key) for key in ("view", "side", "camera_mm", "sure", "mirror")},
+            **{key: getattr(self, key) for key in ("view", "side", "camera_mm", "sure", "mirror", "outline")},
         }
 
 
@@ -67,6 +69,7 @@ def read(given: Any) -> Clicks:
         camera if camera in (None, 0) else length(camera, "the height of the camera", 150.0, 5000.0),
         bool(given.get("sure", False)),
         bool(given.get("mirror", False)),
+        bool(given.get("outline", True)),
     )
 
 

@@ -17,7 +17,6 @@ from handlab.anatomy.picture import PICTURE
 from handlab.anatomy.records import Hand
 from handlab.anatomy.store import FILES as HAND_FILES
 from handlab.anatomy.store import save_hand
-from handlab.fitting.outline import distal_of, overlap, silhouette
 from handlab.fitting.preview import outline_of
 from handlab.fitting.result import Fit
 from handlab.show.fit_clicks import Clicks
@@ -26,12 +25,11 @@ from handlab.show.fit_words import plain
 
 FILES = ("hand", "picture", "report")
 MOST_BYTES = 100_000_000  # of a file in an archive
-MARKS = ("wrist_radial", "wrist_ulnar", "mcp_middle")
 
 
 def rows(fit: Fit, photo: Photo) -> dict[str, Any]:
     """The result as a page shows it: lengths in mm beside the reference hand, outline (px), overlap, what to know."""
-    report = fit.report()
+    report, shown = fit.report(), photo.mask(fit.clicks)
     skin = fit.to_picture(fit.hand.skin_fine.points)
     return {
         "lengths": [[name, round(new, 1), round(old, 1)] for name, (new, old) in report.lengths_mm.items()],
@@ -41,24 +39,14 @@ def rows(fit: Fit, photo: Photo) -> dict[str, Any]:
         "side": fit.side,
         "view": fit.view,
         "points": report.points,
+        "outlined": report.outline,
         "scale": report.scale,
         "notes": [plain(warning) for warning in fit.warnings if "camera_mm" not in warning],  # the page has a field for it
         "camera_mm": None if fit.camera_mm is None else round(fit.camera_mm),
         "camera": fit.camera,
         "outline": np.round(outline_of(skin, fit.hand.skin_fine.faces, 400_000), 1).tolist(),
-        "iou": _overlap(fit, photo),
+        "iou": None if shown is None else round(fit.overlap(shown, photo.step), 4),  # in the small picture: in whole ones it takes long
     }
-
-
-def _overlap(fit: Fit, photo: Photo) -> float | None:
-    """As ``fit.iou``, in the small picture: whole ones of 50 megapixels would take seconds."""
-    shown = photo.mask(fit.clicks)
-    if shown is None:
-        return None
-    shape, marks = (shown.shape[0], shown.shape[1]), fit.hand.feature_points
-    edge = fit.to_picture(fit.hand.skin.points[[marks[name][fit.view] for name in MARKS]]) / photo.step
-    drawn = silhouette(fit.to_picture(fit.hand.skin_fine.points) / photo.step, fit.hand.skin_fine.faces, shape)
-    return round(overlap(drawn, shown, distal_of(edge[:2], edge[2], shape)), 4)
 
 
 def keepsake(what: str, fit: Fit, photo: Photo, clicks: Clicks) -> tuple[str, str, bytes]:

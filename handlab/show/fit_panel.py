@@ -49,7 +49,8 @@ class FitPanel:
     # What code calls.
 
     def set(self, **changes: Any) -> None:
-        """Change clicks: ``landmarks`` (name -> (x, y) px or None), ``scale``, ``view``, ``side``, ``camera_mm``, ``sure``, ``mirror``.
+        """Change clicks: ``landmarks`` (name -> (x, y) px or None), ``scale``, ``view``, ``side``, ``camera_mm``, ``sure``, ``mirror``,
+        ``outline``.
 
         ``set(landmarks={"tip_index": (812, 240)})`` adds to those that are there. Raises ``ValueError`` for what can be no click.
         """

@@ -86,7 +86,7 @@ def in_colours(fit: Fit, photo: Photo) -> Hand:
     """
     fine = fit.hand.skin_fine
     pixels, step = photo.reduced(TINTED)
-    height = fit.aligned.frame.height(fine.points @ fit.warped.rotation + fit.warped.origin)
+    height = fit.aligned.frame.height(fit.lying(fine.points))
     try:
         sheet = project_texture(fine, fit.to_picture(fine.points) / step, height, pixels, hand=hand_mask(pixels, fit.clicks / step))
     except ValueError:

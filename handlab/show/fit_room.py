@@ -136,7 +136,7 @@ class FitRoom:
             how, seen = self._how(), self.camera()
             if seen.how == "assumed":
                 seen = camera_by_points(self.hand, clicks.landmarks, self.scale().mm_per_px, **how) or seen
-            how["camera_mm"], name = seen.distance_mm, Path(photo.name).stem
+            how["camera_mm"], how["outline"], name = seen.distance_mm, clicks.outline, Path(photo.name).stem
             made = fit_photo(photo.pixels, landmarks=clicks.landmarks, scale=self.scale(), hand=self.hand, name=name, **how)
             made = made.with_picture(photo.pixels, photo.size, seen.how)
             self.fit, self._fitted = replace(made, hand=in_colours(made, photo)), clicks

@@ -101,6 +101,6 @@ def test_joints_that_were_found_are_kept_and_the_outline_gives_the_rest(monkeypa
     assert max(off[name] for name in seen if not name.startswith("tip")) < 1e-6
     assert 0.1 < np.mean(list(off.values())) < 1.5
     # fingers that cannot be told apart from the ground: joints alone
-    monkeypatch.setattr("handlab.fitting.found.hand_mask", lambda *given: (_ for _ in ()).throw(ValueError("no outline")))
+    monkeypatch.setattr("handlab.fitting.found.small_mask", lambda *given: (_ for _ in ()).throw(ValueError("no outline")))
     off = off_mm(find_landmarks(picture.pixels), picture.marks, 1.0 / photograph.PX_PER_MM)
     assert max(off[name] for name in seen) < 1e-6 and np.mean(list(off.values())) < 4.0

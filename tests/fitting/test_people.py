@@ -112,7 +112,7 @@ def test_a_persons_skin_is_closed_and_its_joints_lie_inside(name):
 def test_no_person_comes_out_badly(name, way):
     bones, _, _, iou = measured(name, *way)
     assert 0.05 < bones < (2.5 if way == UNTOLD else 2.0)
-    assert 0.90 < iou < 1.0
+    assert 0.97 < iou < 1.0
 
 
 @pytest.mark.parametrize("way", [*TOLD, UNTOLD])
@@ -124,14 +124,14 @@ def test_bones_are_less_than_2_mm_off_on_average(way):
 
 @pytest.mark.parametrize("way", TOLD)
 def test_a_picture_costs_at_most_a_quarter_of_the_skins_accuracy(way):
-    """Mean over people against mean over people; single persons may lose more, none loses half."""
+    """Nobody loses more; on average the outline in the picture gives more than the picture costs."""
     rows = np.array([measured(name, *way) for name in PEOPLE])
     ratio, worst = rows[:, 1].mean() / rows[:, 2].mean(), (rows[:, 1] / rows[:, 2]).max()
     print(
         f"{' '.join(way)}: skin {rows[:, 1].mean():.2f} mm, with true places {rows[:, 2].mean():.2f}, ratio {ratio:.2f} (worst {worst:.2f})"
     )
-    assert 0.8 < ratio <= 1.25
-    assert 0.9 < worst <= 1.5
+    assert 0.7 < ratio <= 1.05
+    assert 0.9 < worst <= 1.25
 
 
 @pytest.mark.parametrize("way", [TOLD[0], TOLD[3]])
@@ -164,7 +164,7 @@ def test_the_points_on_the_back_of_a_hand_tell_something_of_the_distance_of_a_ca
     print(
         f"skin over that with true places: {np.mean(found) / true:.2f} by the points, {np.mean(assumed) / true:.2f} with 60 cm for everyone"
     )
-    assert 1.0 < np.mean(found) / true < min(1.25, np.mean(assumed) / true)
+    assert 0.8 < np.mean(found) / true < min(1.25, np.mean(assumed) / true)
 
 
 @pytest.mark.parametrize("view", ["palmar", "dorsal"])
@@ -193,7 +193,7 @@ def test_a_real_picture_gives_its_outline_and_plausible_lengths(name):
     scale = {"ruler": row["coin"]["ends_px"], "mm": row["coin"]["diameter_mm"]}
     fit = fit_photo(Path(PHOTOS) / name, landmarks=row["landmarks"], scale=scale, view=row["view"])
     assert fit.side == row["side"]
-    assert 0.85 < fit.iou < 1.0
+    assert 0.95 < fit.iou < 1.0
     lengths = people.hand_lengths_mm(fit.hand)
     # Buryanov & Kotiuk 2010: from the MCP joint (thumb: CMC) to the tip, pulp included, mean of 66 adults
     for k, mean in ((1, 105.1), (2, 81.8), (3, 92.3), (4, 88.3), (5, 70.5)):

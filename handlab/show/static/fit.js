@@ -18,7 +18,7 @@ const BONES = ["metacarpal", "proximal phalanx", "middle phalanx", "distal phala
 const LARGEST = 120e6; // bytes
 
 const push = (text, onclick, more = {}) => make("button", { type: "button", textContent: text, onclick, ...more });
-const empty = () => ({ landmarks: {}, scale: {}, view: null, side: null, camera_mm: null, sure: false, mirror: false });
+const empty = () => ({ landmarks: {}, scale: {}, view: null, side: null, camera_mm: null, sure: false, mirror: false, outline: true });
 const percent = (share) => `${Math.round(100 * share)} %`;
 const line = (places) => `M${places.map(([x, y]) => `${x} ${y}`).join("L")}Z`;
 
@@ -645,12 +645,13 @@ class Page {
     const shown = `${result.view === "palmar" ? "palm" : "back"} of a ${result.side} hand`;
     const camera = this.cameraField(() => this.finish());
     return [make("div", { className: "hf-head" }, make("b", { textContent: `${result.hand_mm[0].toFixed(0)} mm` }), make("span", { textContent: `wrist to middle fingertip; the reference hand has ${result.hand_mm[1].toFixed(0)} mm` })),
-      make("div", { className: "hf-chips" }, make("span", { textContent: shown }), make("span", { textContent: `${result.points} points` }), result.iou === null ? null : make("span", { className: "iou", textContent: `overlap ${percent(result.iou)}` })),
+      make("div", { className: "hf-chips" }, make("span", { textContent: shown }), make("span", { textContent: `${result.points} points${result.outlined ? " and the outline" : ""}` }), result.iou === null ? null : make("span", { className: "iou", textContent: `overlap ${percent(result.iou)}` })),
       push("Move it", () => { this.stats.actions += 1; this.moveIt(); }, { className: "hf-main big", data: { act: "move" } }),
       make("table", {}, make("caption", { textContent: "Bones in mm, the reference hand's below" }), make("thead", {}, make("tr", {}, make("th"), ...["metacarpal", "proximal", "middle", "distal"].map((text) => make("th", { textContent: text })))), make("tbody", {}, ...rows)),
       make("p", { className: "faint", textContent: `Size L = ${result.growth.toFixed(2)}: its muscles pull ${result.laws[1][2].toFixed(2)} times as hard, and its bones resist turning ${result.laws[3][2].toFixed(2)} times as much.` }),
       ...result.notes.map((text) => make("p", { className: "note", textContent: text })),
       result.camera === "assumed" ? make("div", { className: "note" }, make("p", { textContent: "The picture does not say how far the camera was; this is assumed:" }), camera) : camera,
+      result.outlined || !this.clicks.outline ? push(result.outlined ? "shape it by the points alone" : "follow the outline in the picture", () => { this.change(() => { this.clicks.outline = !this.clicks.outline; }); this.finish(); }, { className: "hf-link", data: { act: "outline" } }) : null,
       make("div", { className: "hf-tools" }, push("save the hand", () => this.fetch("hand"), { className: "hf-btn", data: { act: "hand" } }), push("save the picture", () => this.fetch("picture"), { className: "hf-btn", data: { act: "picture" } }), push("save the report", () => this.fetch("report"), { className: "hf-btn", data: { act: "report" } }), push("correct points", () => this.go("points"), { className: "hf-btn", data: { act: "correct" } }))];
   }
 
