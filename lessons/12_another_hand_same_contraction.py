@@ -280,21 +280,22 @@ check("weight", weight_power, sag_ratio)
 #
 # ## 8 Tell it to another hand
 #
-# Joints agree within a degree or two, but a fingertip sits at the end of a chain. In the clip `"opposition-index"` thumb and index finger
-# meet. `hl.retarget(clip, child, hold=["wrist"])` adapts the contractions so that they meet again.
+# Joints agree within a degree or two, but a fingertip sits at the end of a chain, and fingers are not of one thickness. In the clip
+# `"pinch"` the pulps of thumb and index finger all but meet. `hl.retarget(clip, man, hold=["wrist"])` adapts the contractions so that
+# they come as near again.
 #
 # ### Exercise: repair
 #
-# How many millimetres are the two pulps apart at the end, on the child, with the contractions of the reference hand, and with adapted
+# How many millimetres are the two pulps apart at the end, on the man, with the contractions of the reference hand, and with adapted
 # ones? `measures.pulp_gap(hand, clip.skin(-1), 1, 2)` is in metres; below zero the pulps press into each other.
 
 # %%
-meeting = hl.simulate(hand, "opposition-index", hold=["wrist"])
-print(f"reference hand: {1000 * measures.pulp_gap(hand, meeting.skin(-1), 1, 2):.1f} mm; times L: {L:.2f}")
+meeting = hl.simulate(hand, "pinch", hold=["wrist"])
+print(f"reference hand: {1000 * measures.pulp_gap(hand, meeting.skin(-1), 1, 2):.1f} mm; times L: {man.growth.length:.2f}")
 # solution: same_mm, adapted_mm = ..., ...
-same = hl.simulate(child, "opposition-index", hold=["wrist"])
-adapted = hl.simulate(child, hl.retarget(meeting, child, hold=["wrist"]), hold=["wrist"])
-same_mm, adapted_mm = (1000 * measures.pulp_gap(child, clip.skin(-1), 1, 2) for clip in (same, adapted))
+same = hl.simulate(man, "pinch", hold=["wrist"])
+adapted = hl.simulate(man, hl.retarget(meeting, man, hold=["wrist"]), hold=["wrist"])
+same_mm, adapted_mm = (1000 * measures.pulp_gap(man, clip.skin(-1), 1, 2) for clip in (same, adapted))
 # end solution
 check("repair", same_mm, adapted_mm)
 

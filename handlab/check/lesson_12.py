@@ -32,7 +32,7 @@ HINTS = {
     "mass": "Mass is density times volume.",
     "inertia": "Mass times distance squared: both grow.",
 }
-BEND, MEETING = "pip2.flexion_extension", "opposition-index"
+BEND, MEETING = "pip2.flexion_extension", "pinch"
 PREDICTED_DEG, MEASURED_DEG, MEASURED_MM = 5.0, 0.5, 0.1
 PREDICTED, MEASURED = 0.08, 0.02  # parts by which a ratio may be off
 
@@ -83,9 +83,9 @@ def sags() -> float:
 
 @cache
 def gaps_mm() -> tuple[float, float, float]:
-    """Between the pulps where thumb and index finger meet: reference hand; child, the same contractions; child, adapted ones."""
-    meeting = simulate(reference(), MEETING, hold=("wrist",))
-    played = [simulate(child(), keys, hold=("wrist",)) for keys in (MEETING, retarget(meeting, child(), hold=("wrist",)))]
+    """Between the pulps where thumb and index finger meet: reference hand; man, the same contractions; man, adapted ones."""
+    meeting, man = simulate(reference(), MEETING, hold=("wrist",)), load_hand("man")
+    played = [simulate(man, keys, hold=("wrist",)) for keys in (MEETING, retarget(meeting, man, hold=("wrist",)))]
     first, second, third = (1e3 * measures.pulp_gap(clip.hand, clip.skin(-1), 1, 2) for clip in (meeting, *played))
     return first, second, third
 
@@ -237,7 +237,7 @@ def weight(power: Any, measured: Any) -> str:
 
 @EXERCISES.register("repair")
 def repair(same: Any, adapted: Any) -> str:
-    """Gap of the pulps on the child with the same and with adapted contractions, millimetres."""
+    """Gap of the pulps on the man with the same and with adapted contractions, millimetres."""
     gap, *right = gaps_mm()
     for answer, goal, other, what in ((same, right[0], right[1], "The gap"), (adapted, right[1], right[0], "The gap with adapted ones")):
         given = number(answer, what, "millimetres")
@@ -247,8 +247,8 @@ def repair(same: Any, adapted: Any) -> str:
             raise Wrong(f"{what} is in metres here. Give millimetres.")
         if abs(given - other) <= MEASURED_MM:
             raise Wrong("The two are swapped: first with the contractions of the reference hand.")
-        raise Wrong(f"{what} is not {given:.2f} mm. Give pulp_gap the child, and the skin of the child's clip.")
-    growth = child().growth
+        raise Wrong(f"{what} is not {given:.2f} mm. Give pulp_gap the man, and the skin of the man's clip.")
+    growth = load_hand("man").growth
     assert growth is not None
     return f"{right[0]:.1f} and {right[1]:.1f} mm, where {gap:.1f} mm times L would be {gap * growth.length:.1f}: they mean the same again."
 

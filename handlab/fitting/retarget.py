@@ -8,21 +8,21 @@ then the motion is simulated and what it misses is aimed at further on.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
 from handlab.anatomy.records import Array, Hand
-from handlab.anatomy.terms import FINGERS
 from handlab.simulation.balance import contraction_for
 from handlab.simulation.clip import Clip
 from handlab.simulation.keyframes import KeyFrames
-from handlab.simulation.kinematics import relative_transforms
 from handlab.simulation.mechanics import coupled, mechanics
 from handlab.simulation.play import simulate
+from handlab.simulation.pulps import pulp_centres
 
 EVERY = 0.1  # seconds between two key frames of the new motion
 MOST = 60  # key frames
-# Thumb and finger are together below this distance (m) of their tips and apart well beyond it; how near they come again (m); how far a
+# Thumb and finger are together below this distance (m) of their pulps and apart well beyond it; how near they come again (m); how far a
 # joint may leave the old posture for it (rad). Assumptions.
 TOGETHER, EXACT, LEEWAY = 0.030, 0.001, np.deg2rad(15.0)
 ROUNDS = 3
@@ -50,7 +50,10 @@ def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
             hand, _keys(hand, time, contraction, clip.name), seconds=float(clip.time[-1]), fps=clip.fps, hold=hold, laws=clip.laws
         )
         missed = wanted - made.angle[frames]
-        total = float(np.sum(missed[len(missed) // 3 :] ** 2))
+        late = slice(len(frames) // 3, None)
+        total = float(
+            np.sum((missed[late] / LEEWAY) ** 2) + np.sum(_apart(clip.hand, hand, clip.angle[frames][late], made.angle[frames][late]) ** 2)
+        )
         if total < least:
             best, least = contraction, total
         aim = np.clip(aim + AIM * missed if contraction is not old else aim, low, high)
@@ -64,37 +67,41 @@ def wanted_angles(old: Hand, new: Hand, angle: Array) -> Array:
     from scipy.optimize import least_squares
 
     m = mechanics(new)
-    size = _reach(new) / _reach(old)
     digits = [i for i, name in enumerate(new.moving_names) if name.startswith(("cmc1", "mcp", "pip", "dip", "ip1"))]
     low, high = new.limits[m.moving].T
     result = np.array(angle)
     for t, now in enumerate(angle):
-        tips = _tips(old, now)
-        gap = tips[1:] - tips[0]
-        weight = np.exp(-((np.linalg.norm(gap, axis=1) / TOGETHER) ** 2))
-        if weight.max() < 0.05 or old is new:
+        if old is new or _together(old, now)[1].max() < 0.05:
             continue
         y = np.array(now[m.moving])
 
-        def off(change: Array, y: Array = y, gap: Array = gap, weight: Array = weight) -> Array:
-            moved = y.copy()
-            moved[digits] += change
-            tips = _tips(new, coupled(new, np.clip(moved, low, high)))
-            return np.concatenate([(weight[:, None] * (tips[1:] - tips[0] - size * gap) / EXACT).reshape(-1), change / LEEWAY])
+        def moved(change: Array, y: Array = y) -> Array:
+            free = y.copy()
+            free[digits] += change
+            whole: Array = coupled(new, np.clip(free, low, high))
+            return whole
 
-        y[digits] += least_squares(off, np.zeros(len(digits)), method="lm").x
-        result[t] = coupled(new, np.clip(y, low, high))
+        def off(change: Array, moved: Any = moved, now: Array = now) -> Array:
+            return np.concatenate([_apart(old, new, now[None], moved(change)[None]).reshape(-1), change / LEEWAY])
+
+        result[t] = moved(least_squares(off, np.zeros(len(digits)), method="lm").x)
     return result
 
 
-def _tips(hand: Hand, angle: Array) -> Array:
-    """Tips (5, 3) of thumb to little finger."""
-    moved = relative_transforms(hand, angle)
-    places = []
-    for k, finger in enumerate(FINGERS, start=1):
-        frame = moved[hand.body_names.index(f"distal_phalanx_{k}")]
-        places.append(frame[:3, :3] @ hand.skin.points[hand.feature_points[f"tip_{finger}"]["palmar"]] + frame[:3, 3])
-    return np.array(places)
+def _apart(old: Hand, new: Hand, angle: Array, made: Array) -> Array:
+    """How far (T, 4, 3) thumb and finger of ``new`` in postures ``made`` (T, dof) lie from where they met on ``old``, over ``EXACT``."""
+    size = _reach(new) / _reach(old)
+    told = [_together(old, one) for one in angle]
+    return np.array(
+        [weight[:, None] * (_together(new, one)[0] - size * gap) / EXACT for (gap, weight), one in zip(told, made, strict=True)]
+    )
+
+
+def _together(hand: Hand, angle: Array) -> tuple[Array, Array]:
+    """From the thumb's pulp to those of the fingers (4, 3) m, and how much each of them counts as meeting it (4,)."""
+    middle = pulp_centres(hand, angle)
+    gap = middle[1:] - middle[0]
+    return gap, np.exp(-((np.linalg.norm(gap, axis=1) / TOGETHER) ** 2))
 
 
 def _reach(hand: Hand) -> float:

@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 from handlab.anatomy.records import Array, Hand, Index
 from handlab.anatomy.terms import DIGITS
 from handlab.physics.distance import closest, winding
-from handlab.simulation.kinematics import body_transforms, posed_bone
+from handlab.simulation.kinematics import posed_bone
 from handlab.simulation.per_hand import per_hand
+from handlab.simulation.pulps import pulps as pulps
 
-PULP_WEIGHT = 0.9  # skin of a distal phalanx that moves with nothing else
-PULP_FACING = 0.35  # cosine: skin that faces palmar
 THICKNESS = 0.008  # a point farther than this behind a patch of skin is on its other side, not in it
 PALM = ("carpus", "metacarpal_1", "metacarpal_4", "metacarpal_5")
 OUTWARD = 0.0003  # a point this far outside its own skin is asked whether it lies in other skin
@@ -35,27 +34,6 @@ def vertex_normals(points: Array, faces: Index) -> Array:
         np.add.at(normals, faces[:, i], area)
     result: Array = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return result
-
-
-@per_hand
-def pulps(hand: Hand) -> dict[int, Index]:
-    """Skin points of each digit's pulp: the palmar side of the distal phalanx."""
-    normals = vertex_normals(hand.skin.points, hand.skin.faces)
-    bind = body_transforms(hand, hand.bind)
-    found = {}
-    for k in range(1, 6):
-        body = hand.body_names.index(f"distal_phalanx_{k}")
-        dof = hand.dofs[f"{'ip' if k == 1 else 'dip'}{k}.flexion_extension"]
-        axis = bind[body][:3, :3] @ dof.axis
-        bone = hand.bones[f"distal_phalanx_{k}"].points
-        joint = bind[body][:3, :3] @ dof.anchor + bind[body][:3, 3]
-        distal = bone.mean(axis=0) - joint
-        palmar = np.cross(axis, distal)
-        palmar /= np.linalg.norm(palmar)
-        mine = hand.skin.weights[:, body] > PULP_WEIGHT
-        beyond = (hand.skin.points - bone.mean(axis=0)) @ distal > -0.2 * float(distal @ distal)
-        found[k] = np.flatnonzero(mine & beyond & (normals @ palmar > PULP_FACING))
-    return found
 
 
 @per_hand
