@@ -21,7 +21,8 @@
 # - write the biharmonic warp of section 5.2 in ten lines, and say what each of its parts is for;
 # - show what goes wrong without side conditions, and when all points lie in one plane;
 # - make a bone fold, and find the fold with a determinant;
-# - find the one wrong click among 26.
+# - find the one wrong click among 26;
+# - say what 26 points cannot tell, and how the outline of a hand tells it.
 
 # %%
 import handlab as hl
@@ -33,6 +34,7 @@ from handlab.fitting.landmarks import NAMES, source_points
 from handlab.physics import rbf
 from handlab.show.figures import STYLE, line
 from handlab.show.warp_panel import WarpPanel
+from handlab.studies.table_photo import table_photo
 
 # %%
 plt.rcParams.update(STYLE)
@@ -327,7 +329,40 @@ check("extend", culprit_mm, others_mm)
 # a radiologist should use, and which a maker of games.
 
 # %% [markdown]
-# ## 7 Doubt the data
+# ## 7 What the outline adds
+#
+# Twenty-six points tell how long a finger is; how broad it is, they hardly tell. The picture does: where the hand ends. `hl.fit_photo`
+# looks where the edge of the warped skin lies beside the edge of the hand in the picture, and takes points of it into the same system,
+# with a $\lambda$ of their own as in the last exercise: 2 mm for them, because pixels are rough, and none for the clicks.
+#
+# ### Exercise: measure
+#
+# `fit.iou` is the overlap of the two hands in the picture, drawn and photographed: what they share over what either covers. What is it
+# without and with the outline? And by how many millimetres on average does the warp `both.warped.rbf` miss the points that came from the
+# outline, `both.edge.source`, on their way to `both.edge.target`? The next cell makes both hands.
+
+# %%
+photo = table_photo(child, px_per_mm=4.0)
+asked = {"landmarks": photo.marks_px, "scale": photo.scale, "view": "palmar", "side": "right", "camera_mm": photo.camera_mm}
+alone, both = (hl.fit_photo(photo.pixels, outline=used, centre_px=photo.centre_px, **asked) for used in (False, True))
+figure, axes = plt.subplots(figsize=(8, 9))
+axes.imshow(photo.pixels)
+for fit, colour, name in ((alone, "#E69F00", "26 points alone"), (both, "#56B4E9", "and the outline")):
+    axes.plot(*np.vstack([fit.outline, fit.outline[:1]]).T, color=colour, linewidth=2.5, label=name)
+axes.set(xticks=[], yticks=[], title="a child's hand, photographed")
+axes.legend(loc="lower right", facecolor="white", framealpha=1.0)
+plt.close(figure)
+figure
+
+# %%
+# solution: alone_iou, both_iou, missed_mm = ..., ..., ...
+alone_iou, both_iou = alone.iou, both.iou
+missed_mm = 1000 * np.linalg.norm(both.warped.rbf(both.edge.source) - both.edge.target, axis=1).mean()
+# end solution
+check("outline", alone_iou, both_iou, missed_mm)
+
+# %% [markdown]
+# ## 8 Doubt the data
 #
 # The warp believes every click. On the child's finger, let `pip_index` and `dip_index` be clicked 1 mm wrong each, towards each other.
 #
@@ -351,6 +386,7 @@ check("doubt", short_percent, suffers)
 # - The affine part does what is simple; the side conditions keep the sum from doing it too, and from growing far away.
 # - Flat points leave one direction open. The package goes on as a similarity, and adds a second layer behind the points.
 # - A negative determinant is a fold. It comes where two points change their order.
+# - Points tell lengths, outlines tell breadths, and neither tells what lies across the picture.
 # - What folds is found by computing; what is wrong is found by leaving out. To smooth is not to repair.
 
 # %%

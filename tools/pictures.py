@@ -49,8 +49,31 @@ def main() -> None:
         hl.save(figure, FOLDER / f"{name}.png")
     hl.bulge_figure(hand, path=FOLDER / "bulge.png")
     hl.skins_figure(hand, path=FOLDER / "skins.png")
+    outline()
     live_view()
     own_hand()
+
+
+def outline() -> None:
+    """A computed photograph of the child's hand and the outlines of two fits: of its points alone, and with the outline in the picture."""
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    from handlab.show.figures import STYLE
+    from handlab.studies.table_photo import table_photo
+
+    photo = table_photo(hl.load_hand("child"), px_per_mm=5.0)
+    where = {"view": "palmar", "side": "right", "camera_mm": photo.camera_mm, "centre_px": photo.centre_px}
+    with plt.rc_context(STYLE):
+        figure, both = plt.subplots(1, 2, figsize=(11, 6.6), layout="constrained")
+        for axes, used, colour, name in zip(both, (False, True), ("#E69F00", "#56B4E9"), ("points alone", "with the outline"), strict=True):
+            fit = hl.fit_photo(photo.pixels, landmarks=photo.marks_px, scale=photo.scale, outline=used, **where)
+            axes.imshow(photo.pixels)
+            axes.plot(*np.vstack([fit.outline, fit.outline[:1]]).T, color=colour, linewidth=2)
+            axes.plot(*fit.clicks.T, "o", color="white", markersize=4)
+            axes.set(xticks=[], yticks=[], title=f"{name}: {100 * fit.iou:.1f} % overlap")
+        figure.savefig(FOLDER / "outline.png", dpi=80)
+        plt.close(figure)
 
 
 @contextmanager

@@ -15,8 +15,11 @@ from handlab.check.lesson import Exercises
 from handlab.check.misclick import misplaced
 from handlab.check.own_lines import compare, values
 from handlab.check.verdict import Wrong
+from handlab.fitting.fit import fit_photo
 from handlab.fitting.landmarks import NAMES, source_points
+from handlab.fitting.result import Fit
 from handlab.physics import rbf
+from handlab.studies.table_photo import table_photo
 
 EXERCISES = Exercises("11")
 
@@ -235,6 +238,40 @@ def extend(culprit: Any, others: Any) -> str:
         said(right, slips, answer, what, "mm", 0.01)
     right, mean = misses(1.0)
     return f"{right:.1f} mm, and {mean:.2f} mm for the innocent. The wrong click is still most of the way where it was clicked."
+
+
+@cache
+def photographed(outline: bool) -> Fit:
+    """The child's hand from its picture."""
+    picture = table_photo(load_hand("child"), px_per_mm=4.0)
+    where: dict[str, Any] = {"view": "palmar", "side": "right", "camera_mm": picture.camera_mm, "centre_px": picture.centre_px}
+    return fit_photo(picture.pixels, landmarks=picture.marks_px, scale=picture.scale, outline=outline, **where)
+
+
+@EXERCISES.register("outline")
+def outline(alone: Any, both: Any, missed: Any) -> str:
+    """Overlap without and with the outline, and the mean miss of the points that came from it, millimetres."""
+    without, fit = photographed(False).iou, photographed(True)
+    said(
+        without,
+        {"this is in percent. Give a part of one.": 100 * without, "the two are swapped.": fit.iou},
+        alone,
+        "The overlap",
+        "",
+        0.001,
+    )
+    said(fit.iou, {"this is in percent. Give a part of one.": 100 * fit.iou}, both, "The overlap with the outline", "", 0.001)
+    assert fit.edge is not None
+    miss = 1e3 * float(np.linalg.norm(fit.warped.rbf(fit.edge.source) - fit.edge.target, axis=1).mean())
+    slips = {
+        "this is in metres. Give millimetres.": miss / 1e3,
+        "that is how far they travel. Send the points through both.warped.rbf first.": 1e3
+        * float(np.linalg.norm(fit.edge.source - fit.edge.target, axis=1).mean()),
+    }
+    said(miss, slips, missed, "The miss", "mm", 0.01)
+    return (
+        f"{100 * without:.1f} and {100 * fit.iou:.1f} percent, and {miss:.2f} mm. It fits this picture; how thick it is, no overlap tells."
+    )
 
 
 @EXERCISES.register("doubt")

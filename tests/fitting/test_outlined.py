@@ -6,6 +6,7 @@ import numpy as np
 import people
 import photograph
 import pytest
+from scipy.interpolate import RBFInterpolator
 from scipy.ndimage import gaussian_filter, shift
 
 from handlab.fitting.fit import fit_photo
@@ -151,6 +152,15 @@ def test_chosen_points_are_apart_and_none_is_forgotten():
     assert far.min() >= GAP
     assert np.linalg.norm(points[:, None] - np.concatenate([chosen, others]), axis=2).min(axis=1).max() < GAP
     assert len(_apart(others, others, GAP)) == 0
+
+
+def test_slack_is_what_scipy_calls_smoothing():
+    rng = np.random.default_rng(4)
+    source = rng.normal(size=(30, 3)) * 0.05
+    target, query = source + 0.003 * rng.normal(size=source.shape), 0.1 * rng.normal(size=(200, 3))
+    slack = rng.uniform(0.0, 0.01, 30)
+    expected = RBFInterpolator(source, target, kernel="linear", degree=1, smoothing=slack)(query)
+    np.testing.assert_allclose(rbf.fitted(source, target, slack)(query), expected, atol=1e-9)
 
 
 def test_slack_is_how_far_a_point_gives_way_to_its_weight():

@@ -10,6 +10,7 @@ from handlab.check.misclick import misplaced
 from handlab.check.verdict import Outcome
 from handlab.fitting.landmarks import NAMES, source_points
 from handlab.physics import rbf
+from handlab.studies.table_photo import table_photo
 
 RIGHT, WRONG = Outcome.RIGHT, Outcome.WRONG
 
@@ -228,6 +229,23 @@ def test_a_softened_warp_spreads_the_blame(source):
     assert said("extend", culprit, others).outcome is RIGHT
     assert "swapped" in hint("extend", others, culprit)
     assert "metres" in hint("extend", culprit / 1000, others)
+
+
+def test_the_outline_makes_the_overlap_and_is_held_softly():
+    picture = table_photo(hl.load_hand("child"), px_per_mm=4.0)
+    where = {"view": "palmar", "side": "right", "camera_mm": picture.camera_mm, "centre_px": picture.centre_px}
+    alone, both = (
+        hl.fit_photo(picture.pixels, landmarks=picture.marks_px, scale=picture.scale, outline=used, **where) for used in (False, True)
+    )
+    assert alone.iou < 0.95 < 0.98 < both.iou
+    travelled = 1000 * np.linalg.norm(both.edge.source - both.edge.target, axis=1).mean()
+    missed = 1000 * np.linalg.norm(both.warped.rbf(both.edge.source) - both.edge.target, axis=1).mean()
+    assert 0.005 < missed < 0.3
+    assert said("outline", alone.iou, both.iou, missed).outcome is RIGHT
+    assert "swapped" in hint("outline", both.iou, alone.iou, missed)
+    assert "percent" in hint("outline", 100 * alone.iou, both.iou, missed)
+    assert "metres" in hint("outline", alone.iou, both.iou, missed / 1000)
+    assert "travel" in hint("outline", alone.iou, both.iou, travelled)
 
 
 def test_short_segments_suffer_most_from_clicks():
