@@ -225,6 +225,20 @@ def test_the_hand_that_moves_wears_the_colours_of_the_photograph(ready, shot):
 # Clicks -------------------------------------------------------------------------------------------------------------------------
 
 
+def test_the_outline_shapes_the_hand_and_one_click_leaves_it_out(ready, shot):
+    page = ready.page
+    ready.put(shot.clicks(np.random.default_rng(3)), ORDER)
+    finished(page)
+    overlap = [float(page.inner_text(".hf-chips .iou").split()[1])]
+    assert "26 points and the outline" in page.inner_text(".hf-chips")
+    page.click("[data-act=outline]")
+    page.wait_for_function("document.querySelector('.hf-chips') && !document.querySelector('.hf-chips').textContent.includes('outline')")
+    overlap.append(float(page.inner_text(".hf-chips .iou").split()[1]))
+    assert overlap[0] >= 97.0 > overlap[1] > 85.0
+    page.click("[data-act=outline]")
+    page.wait_for_function("document.querySelector('.hf-chips')?.textContent.includes('and the outline')")
+
+
 def test_a_click_lands_on_the_pixel_under_the_pointer_also_near_and_shifted(ready, shot):
     page = ready.page
     stage = page.locator(".hf-stage").bounding_box()
