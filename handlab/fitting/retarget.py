@@ -7,8 +7,8 @@ then the motion is simulated and what it misses is aimed at further on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,6 +41,7 @@ def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
     frames = _frames(clip)
     time, old = clip.time[frames], clip.contraction[frames]
     wanted = wanted_angles(clip.hand, hand, clip.angle[frames])
+    meetings = [_meeting(clip.hand, hand, a) for a in clip.angle[frames]]
     aim, contraction = wanted.copy(), old.copy()
     before = np.array([contraction_for(clip.hand, a, near=c, hold=hold).contraction for a, c in zip(clip.angle[frames], old, strict=True)])
     low, high = hand.limits.T
@@ -50,10 +51,9 @@ def retarget(clip: Clip, hand: Hand, *, hold: Iterable[str] = ()) -> KeyFrames:
             hand, _keys(hand, time, contraction, clip.name), seconds=float(clip.time[-1]), fps=clip.fps, hold=hold, laws=clip.laws
         )
         missed = wanted - made.angle[frames]
+        apart = np.array([_apart(hand, a, meeting) for a, meeting in zip(made.angle[frames], meetings, strict=True)])
         late = slice(len(frames) // 3, None)
-        total = float(
-            np.sum((missed[late] / LEEWAY) ** 2) + np.sum(_apart(clip.hand, hand, clip.angle[frames][late], made.angle[frames][late]) ** 2)
-        )
+        total = float(np.sum((missed[late] / LEEWAY) ** 2) + np.sum(apart[late] ** 2))
         if total < least:
             best, least = contraction, total
         aim = np.clip(aim + AIM * missed if contraction is not old else aim, low, high)
@@ -71,7 +71,8 @@ def wanted_angles(old: Hand, new: Hand, angle: Array) -> Array:
     low, high = new.limits[m.moving].T
     result = np.array(angle)
     for t, now in enumerate(angle):
-        if old is new or _together(old, now)[1].max() < 0.05:
+        meeting = _meeting(old, new, now)
+        if old is new or meeting.weight.max() < 0.05:
             continue
         y = np.array(now[m.moving])
 
@@ -81,27 +82,36 @@ def wanted_angles(old: Hand, new: Hand, angle: Array) -> Array:
             whole: Array = coupled(new, np.clip(free, low, high))
             return whole
 
-        def off(change: Array, moved: Any = moved, now: Array = now) -> Array:
-            return np.concatenate([_apart(old, new, now[None], moved(change)[None]).reshape(-1), change / LEEWAY])
+        def off(change: Array, moved: Callable[[Array], Array] = moved, meeting: Meeting = meeting) -> Array:
+            return np.concatenate([_apart(new, moved(change), meeting), change / LEEWAY])
 
         result[t] = moved(least_squares(off, np.zeros(len(digits)), method="lm").x)
     return result
 
 
-def _apart(old: Hand, new: Hand, angle: Array, made: Array) -> Array:
-    """How far (T, 4, 3) thumb and finger of ``new`` in postures ``made`` (T, dof) lie from where they met on ``old``, over ``EXACT``."""
-    size = _reach(new) / _reach(old)
-    told = [_together(old, one) for one in angle]
-    return np.array(
-        [weight[:, None] * (_together(new, one)[0] - size * gap) / EXACT for (gap, weight), one in zip(told, made, strict=True)]
-    )
+class Meeting(NamedTuple):
+    """``gap`` (4, 3) m from the thumb's pulp to those of the fingers, ``weight`` (4,) how much each counts as meeting it."""
+
+    gap: Array
+    weight: Array
 
 
-def _together(hand: Hand, angle: Array) -> tuple[Array, Array]:
-    """From the thumb's pulp to those of the fingers (4, 3) m, and how much each of them counts as meeting it (4,)."""
+def _meeting(old: Hand, new: Hand, angle: Array) -> Meeting:
+    """What ``angle`` (dof,) on ``old`` means on ``new``: gaps as much larger as the hand is."""
+    gap = _gaps(old, angle)
+    return Meeting(gap * _reach(new) / _reach(old), np.exp(-((np.linalg.norm(gap, axis=1) / TOGETHER) ** 2)))
+
+
+def _apart(hand: Hand, angle: Array, meeting: Meeting) -> Array:
+    """How far (12,) thumb and fingers in a posture are from a meeting, over ``EXACT``."""
+    result: Array = (meeting.weight[:, None] * (_gaps(hand, angle) - meeting.gap) / EXACT).reshape(-1)
+    return result
+
+
+def _gaps(hand: Hand, angle: Array) -> Array:
     middle = pulp_centres(hand, angle)
-    gap = middle[1:] - middle[0]
-    return gap, np.exp(-((np.linalg.norm(gap, axis=1) / TOGETHER) ** 2))
+    result: Array = middle[1:] - middle[0]
+    return result
 
 
 def _reach(hand: Hand) -> float:
