@@ -8,11 +8,13 @@ import photograph
 import pytest
 from scipy.interpolate import RBFInterpolator
 from scipy.ndimage import gaussian_filter, shift
+from scipy.spatial import cKDTree
 
 from handlab.fitting.fit import fit_photo
 from handlab.fitting.outline import overlap, silhouette
 from handlab.fitting.outlined import GAP, OTHER, UNSEEN, _apart
 from handlab.physics import rbf
+from tools.people.rig import moved
 
 BROAD, THIN = "man_broad", "girl_thin_fingers"
 
@@ -135,6 +137,21 @@ def test_a_soft_shadow_and_a_ring_do_no_harm():
     alone = error(fitted(plain, outline=False), "woman")
     for picture in (shadow, ring):
         assert error(fitted(picture), "woman") < alone
+
+
+def test_fingers_that_all_but_touch_are_told_apart():
+    straight, reference = people.everyone()["woman_slender"], people.hand()
+    skin, _ = moved(straight, reference, {"mcp2.deviation": -9.0, "mcp4.deviation": 7.0, "mcp5.deviation": 14.0})
+    nearest = cKDTree(straight.skin)
+    places = {}
+    for view, marks in straight.marks.items():
+        rows = nearest.query(np.array(list(marks.values())))[1]
+        places[view] = {name: place + skin[row] - straight.skin[row] for row, (name, place) in zip(rows, marks.items(), strict=True)}
+    picture = photograph.photograph(replace(straight, skin=skin, marks=places), view="palmar")
+    with_it, without = fitted(picture), fitted(picture, outline=False)
+    assert true_overlap(without, picture) < 0.95 < 0.97 < true_overlap(with_it, picture)
+    off = [cKDTree(skin).query(people.rigidly(fit.hand.skin_fine.points, skin))[0].mean() for fit in (with_it, without)]
+    assert 0.5 < off[0] / off[1] < 0.98
 
 
 def test_as_printed_and_without_pixels_the_outline_is_not_used():
