@@ -114,10 +114,9 @@ def _thicker(fit: Fit, first: Array, skin: Array, digit: Index, edge: Index, goa
     """Rows of the fine skin on the fingers' front and back, and where they belong (m): as much higher as both edges beside moved outwards.
 
     A picture does not show how thick a finger is; fingers are nearly round. The thumb lies turned: what is seen of it may be either.
-    ``first`` and ``skin`` (N, 3) m: after the feature points
-    alone, and now.
+    ``first`` and ``skin`` (N, 3) m: after the feature points alone, and now.
     """
-    towards = fit.aligned.frame.towards
+    towards, flat = fit.aligned.frame.towards, fit.aligned.frame.flat(first)
     normal = np.empty(first.shape)
     vertex_normals(first, fit.aligned.hand.skin_fine.faces.astype(np.uint32), normal)
     out = normal[edge] - np.outer(normal[edge] @ towards, towards)
@@ -125,7 +124,7 @@ def _thicker(fit: Fit, first: Array, skin: Array, digit: Index, edge: Index, goa
     broader = ((goal - first[edge]) * out).sum(axis=1)
     rows, heights = [], []
     for row in np.flatnonzero((digit > 1) & (np.abs(normal @ towards) > FACING)):
-        near = np.flatnonzero((digit[edge] == digit[row]) & (_flat_far(fit, first[edge] - first[row]) < REACH * fit.growth))
+        near = np.flatnonzero((digit[edge] == digit[row]) & (np.linalg.norm(flat[edge] - flat[row], axis=1) < REACH * fit.growth))
         if len(near) >= 4 and np.linalg.norm(out[near].mean(axis=0)) < BOTH_SIDES:
             rows.append(row)
             heights.append(np.sign(normal[row] @ towards) * broader[near].mean())
@@ -135,12 +134,6 @@ def _thicker(fit: Fit, first: Array, skin: Array, digit: Index, edge: Index, goa
     index = np.array(rows)[chosen]
     height = (first[index] - skin[index]) @ towards + np.array(heights)[chosen]
     return index, skin[index] + height[:, None] * towards
-
-
-def _flat_far(fit: Fit, way: Array) -> Array:
-    """Lengths of ``way`` (N, 3) m as the camera sees them."""
-    result: Array = np.linalg.norm(way - np.outer(way @ fit.aligned.frame.towards, fit.aligned.frame.towards), axis=1)
-    return result
 
 
 def _digit(hand: Hand) -> Index:
@@ -176,7 +169,7 @@ def _direction(field: Array, at: Array, blur: float) -> Array:
 
 
 def _apart(points: Array, others: Array, gap: float) -> Index:
-    """Rows of ``points`` (N, 3) that lie ``gap`` from one another and from ``others``, the loneliest first."""
+    """Rows of ``points`` (N, 3) that lie ``gap`` from one another and from ``others``, the loneliest first (farthest point sampling)."""
     left = np.linalg.norm(points[:, None] - others, axis=2).min(axis=1)
     chosen: list[int] = []
     while left.max() >= gap:

@@ -27,7 +27,7 @@ MECHANICS = ("scaled", "kept")
 # A second layer of points lies this far behind the feature points, about as deep as a palm is thick (an assumption).
 BEHIND = 0.020
 # How softly points on the outline are held (an assumption): pixels of an outline are rough, clicks are not.
-SLACK = 0.002
+SMOOTHING = 0.002
 NEWTON = 8
 
 
@@ -63,8 +63,8 @@ def landmark_warp(source: Array, target: Array, towards: Array, *, rule: str = "
     before, after = np.concatenate([source, source + behind]), np.concatenate([target, target + scale * turn @ behind])
     if edge is None:
         return rbf.fitted(before, after)
-    slack = np.repeat([0.0, SLACK], [len(before), len(edge.source)])
-    return rbf.fitted(np.concatenate([before, edge.source]), np.concatenate([after, edge.target]), slack)
+    smoothing = np.repeat([0.0, SMOOTHING], [len(before), len(edge.source)])
+    return rbf.fitted(np.concatenate([before, edge.source]), np.concatenate([after, edge.target]), smoothing)
 
 
 def overall(source: Array, target: Array, towards: Array) -> tuple[float, Array]:

@@ -34,16 +34,16 @@ class Warp(NamedTuple):
         return warped(self, points)
 
 
-def fitted(source: ArrayLike, target: ArrayLike, slack: ArrayLike = 0.0) -> Warp:
+def fitted(source: ArrayLike, target: ArrayLike, smoothing: ArrayLike = 0.0) -> Warp:
     """The warp with f(source) = target; both (N, 3), N >= 1. One symmetric system of N + 4 with three right-hand sides.
 
-    ``slack`` (N,) or one number, a length >= 0: how softly each point is held, f(s_i) = t_i + slack_i w_i; the larger it is, the more
-    its weight w_i costs, and noise of close points is smoothed (Wahba 1990). 0 hits the point.
+    ``smoothing`` (N,) or one number, a length >= 0: how softly each point is held, f(s_i) = t_i + smoothing_i w_i; the larger it is, the
+    more its weight w_i costs, and noise of close points is smoothed (Wahba 1990). 0 hits the point.
 
     Points are centred and brought to unit size before solving. Four points that are not in one plane determine A. Where there are
     none, the side conditions span only the plane (or line, or point) of the sources, and A continues across it as a similarity:
     by the normal of the warped plane, with the plane's own mean magnification.
-    Raises ``ValueError`` for shapes that do not fit, values that are not finite, slack below 0, and two sources at one place.
+    Raises ``ValueError`` for shapes that do not fit, values that are not finite, smoothing below 0, and two sources at one place.
 
     >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> warp = fitted(corner, 2.0 * np.array(corner) + 1.0)
@@ -55,9 +55,9 @@ def fitted(source: ArrayLike, target: ArrayLike, slack: ArrayLike = 0.0) -> Warp
         raise ValueError(f"source {s.shape} and target {t.shape} must both be (N, 3) with N >= 1")
     if not (np.isfinite(s).all() and np.isfinite(t).all()):
         raise ValueError("source and target must be finite numbers")
-    loose = np.broadcast_to(np.asarray(slack, dtype=np.float64), len(s))
+    loose = np.broadcast_to(np.asarray(smoothing, dtype=np.float64), len(s))
     if not ((loose >= 0.0) & np.isfinite(loose)).all():
-        raise ValueError("slack must be one length, or one for each point, and none below 0")
+        raise ValueError("smoothing must be one length, or one for each point, and none below 0")
     centre, goal = s.mean(axis=0), t.mean(axis=0)
     size = float(np.sqrt(np.mean(np.sum((s - centre) ** 2, axis=1)))) or 1.0
     x, y = (s - centre) / size, (t - goal) / size

@@ -171,23 +171,23 @@ def test_chosen_points_are_apart_and_none_is_forgotten():
     assert len(_apart(others, others, GAP)) == 0
 
 
-def test_slack_is_what_scipy_calls_smoothing():
+def test_smoothing_is_that_of_scipy():
     rng = np.random.default_rng(4)
     source = rng.normal(size=(30, 3)) * 0.05
     target, query = source + 0.003 * rng.normal(size=source.shape), 0.1 * rng.normal(size=(200, 3))
-    slack = rng.uniform(0.0, 0.01, 30)
-    expected = RBFInterpolator(source, target, kernel="linear", degree=1, smoothing=slack)(query)
-    np.testing.assert_allclose(rbf.fitted(source, target, slack)(query), expected, atol=1e-9)
+    smoothing = rng.uniform(0.0, 0.01, 30)
+    expected = RBFInterpolator(source, target, kernel="linear", degree=1, smoothing=smoothing)(query)
+    np.testing.assert_allclose(rbf.fitted(source, target, smoothing)(query), expected, atol=1e-9)
 
 
-def test_slack_is_how_far_a_point_gives_way_to_its_weight():
+def test_smoothing_is_how_far_a_point_gives_way_to_its_weight():
     rng = np.random.default_rng(1)
     source = rng.normal(size=(20, 3)) * 0.05
     target = source + 0.003 * rng.normal(size=source.shape)
-    slack = np.repeat([0.0, 0.002, 0.05], [6, 7, 7])
-    soft = rbf.fitted(source, target, slack)
-    np.testing.assert_allclose(soft(source) - target, slack[:, None] * soft.weight, atol=1e-12)
+    smoothing = np.repeat([0.0, 0.002, 0.05], [6, 7, 7])
+    soft = rbf.fitted(source, target, smoothing)
+    np.testing.assert_allclose(soft(source) - target, smoothing[:, None] * soft.weight, atol=1e-12)
     assert (np.linalg.norm(rbf.fitted(source, target, 0.05).weight) < 0.7 * np.linalg.norm(rbf.fitted(source, target).weight)).all()
     for bad in (-1.0, np.full(20, np.nan)):
-        with pytest.raises(ValueError, match="slack"):
+        with pytest.raises(ValueError, match="smoothing"):
             rbf.fitted(source, target, bad)
